@@ -1,0 +1,154 @@
+#include "app/case.h"
+
+#include <math.h>
+#include <omp.h>
+#include <stdlib.h>
+
+#include "base/clock.h"
+#include "base/memory.h"
+#include "visibility/facing.h"
+
+static const char *surface_of(const struct rad_scene *s, int triangle) {
+  return s->surface_name[s->triangle[triangle].surface];
+}
+
+static enum rad_code refuse_shadows(const struct rad_case *c, struct rad_error *e) {
+  int found[3];
+  if (!rad_find_shadow(&c->scene, found))
+    return RAD_OK;
+  return rad_fail(e, RAD_EINPUT,
+                  "%s: error: triangle %d (%s) may cast a shadow between triangles %d (%s) and %d "
+                  "(%s), and this version does not compute shadows yet; remove one of the three or "
+                  "turn it away",
+                  c->deck.path, found[2] + 1, surface_of(&c->scene, found[2]), found[0] + 1,
+                  surface_of(&c->scene, found[0]), found[1] + 1, surface_of(&c->scene, found[1]));
+}
+
+static enum rad_code refuse_unavailable(const struct rad_case *c, struct rad_error *e) {
+  if (c->deck.method.matrix == RAD_MATRIX_HIERARCHICAL)
+    return rad_fail(e, RAD_EINPUT,
+                    "%s: error: method.matrix: hierarchical is not available in this version; use "
+                    "dense or auto",
+                    c->deck.path);
+  return RAD_OK;
+}
+
+/* Sizes of the run; all known before anything is computed. */
+static void plan(struct rad_case *c) {
+  const struct rad_mesh *m = &c->mesh;
+  struct rad_plan *p = &c->plan;
+  p->solver = rad_solver_pick(c->deck.method.solver, m->n_point);
+  p->matrix_bytes = 8.0 * m->n_point * m->n_point;
+  double mesh_bytes = m->n_point * 20.0 + m->n_element * (double)sizeof(struct rad_element);
+  int s = c->deck.output.sampling;
+  double picture = m->n_element * ((s + 1.0) * (s + 1) * (24 + 40) + s * s * 64.0);
+  p->bytes = rad_solver_bytes(p->solver, m->n_point, c->scene.n_band) + mesh_bytes + picture;
+  p->available = rad_memory_available();
+  p->pairs = (int64_t)m->n_point * m->n_element;
+}
+
+static enum rad_code count_skipped(struct rad_case *c, struct rad_error *e) {
+  const struct rad_mesh *m = &c->mesh;
+  int n = c->scene.n_triangle;
+  unsigned char *sees = rad_sees(&c->scene);
+  if (!sees)
+    return rad_fail_memory(e, "the table of facing triangles", (double)n * n);
+  for (int i = 0; i < n; i++)
+    for (int j = 0; j < n; j++)
+      if (!sees[(size_t)i * n + j]) {
+        int64_t points = m->point_first[i + 1] - m->point_first[i];
+        int64_t elements = m->element_first[m->patch_first[j + 1]] - m->element_first[m->patch_first[j]];
+        c->plan.skipped += points * elements;
+      }
+  free(sees);
+  return RAD_OK;
+}
+
+enum rad_code rad_case_prepare(const char *deck, int n_set, const char *const *set,
+                               struct rad_case *c, struct rad_error *e) {
+  *c = (struct rad_case){0};
+  double start = rad_seconds();
+  enum rad_code code = rad_deck_read(deck, n_set, set, &c->deck, e);
+  if (!code)
+    code = refuse_unavailable(c, e);
+  if (!code)
+    code = rad_scene_build(&c->deck, &c->scene, &c->notes, e);
+  if (!code)
+    code = refuse_shadows(c, e);
+  c->seconds_scene = rad_seconds() - start;
+  start = rad_seconds();
+  if (!code)
+    code = rad_mesh_build(&c->scene, &c->deck.method, &c->mesh, e);
+  if (code)
+    return code;
+  c->seconds_mesh = rad_seconds() - start;
+  if ((code = rad_case_check_probes(c, e)))
+    return code;
+  plan(c);
+  return count_skipped(c, e);
+}
+
+static enum rad_code refuse_too_large(const struct rad_case *c, struct rad_error *e) {
+  const struct rad_plan *p = &c->plan;
+  if (p->bytes <= p->available)
+    return RAD_OK;
+  double gmres = rad_solver_bytes(RAD_SOLVER_GMRES, c->mesh.n_point, c->scene.n_band);
+  const char *advice = p->solver == RAD_SOLVER_LU && gmres < p->available
+                           ? "use method.solver: gmres, which needs half of it"
+                           : "lower method.elements or method.degree, or use a larger machine";
+  return rad_fail(e, RAD_ESYSTEM,
+                  "the run needs %.3g GB of memory for %d unknowns, but only %.3g GB are available; "
+                  "%s",
+                  p->bytes / 1e9, c->mesh.n_point, p->available / 1e9, advice);
+}
+
+/* rho and E at the collocation points. */
+static enum rad_code set_data(struct rad_case *c, struct rad_error *e) {
+  const struct rad_mesh *m = &c->mesh;
+  size_t n = (size_t)m->n_point, total = n * (size_t)c->scene.n_band;
+  c->rho = rad_alloc(total, sizeof(double));
+  c->emission = rad_alloc(total, sizeof(double));
+  c->u = rad_calloc(total, sizeof(double));
+  c->h = rad_calloc(total, sizeof(double));
+  if (!c->rho || !c->emission || !c->u || !c->h)
+    return rad_fail_memory(e, "the solution", 32.0 * (double)total);
+  for (int t = 0; t < c->scene.n_triangle; t++)
+    for (int p = m->point_first[t]; p < m->point_first[t + 1]; p++)
+      for (int b = 0; b < c->scene.n_band; b++) {
+        c->rho[(size_t)b * n + p] = c->scene.rho[t * c->scene.n_band + b];
+        c->emission[(size_t)b * n + p] =
+            rad_emission(&c->scene, t, b, m->point_base[p], m->point_mu[p]);
+      }
+  return RAD_OK;
+}
+
+enum rad_code rad_case_solve(struct rad_case *c, struct rad_error *e) {
+  const struct rad_deck_method *m = &c->deck.method;
+  enum rad_code code = refuse_too_large(c, e);
+  double start = rad_seconds();
+  if (!code)
+    code = set_data(c, e);
+  if (!code)
+    code = rad_rules_build(&c->mesh, m->quadrature_tolerance, &c->rules, e);
+  if (!code)
+    code = rad_dense_assemble(&c->mesh, &c->rules, &c->dense, e);
+  if (code)
+    return code;
+  c->seconds_assemble = rad_seconds() - start;
+  struct rad_solve_options o = {m->solver, m->solver_tolerance, m->bounces};
+  return rad_solve(&c->dense, &o, c->scene.n_band, c->rho, c->emission, c->u, c->h, &c->report, e);
+}
+
+void rad_case_free(struct rad_case *c) {
+  rad_dense_free(&c->dense);
+  rad_rules_free(&c->rules);
+  rad_mesh_free(&c->mesh);
+  rad_scene_free(&c->scene);
+  rad_notes_free(&c->notes);
+  rad_deck_free(&c->deck);
+  free(c->rho);
+  free(c->emission);
+  free(c->u);
+  free(c->h);
+  *c = (struct rad_case){0};
+}

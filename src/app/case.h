@@ -1,0 +1,62 @@
+/* One case: a deck carried through scene, mesh, system and solution. */
+#ifndef RAD_APP_CASE_H
+#define RAD_APP_CASE_H
+
+#include "estimate/iterate.h"
+#include "output/result.h"
+#include "system/solve.h"
+
+struct rad_plan {
+  double bytes;           /* memory that the run holds at once */
+  double matrix_bytes;    /* of the matrix alone */
+  double available;       /* memory that there is */
+  double seconds;         /* predicted, whole run */
+  int64_t pairs, skipped; /* point-element pairs; those that see nothing of each other */
+  enum rad_solver solver;
+};
+
+struct rad_case {
+  struct rad_deck deck;
+  struct rad_scene scene;
+  struct rad_notes notes;
+  struct rad_mesh mesh;
+  struct rad_rules rules;
+  struct rad_dense dense;
+  struct rad_plan plan;
+  double *rho, *emission; /* owned [n_band, n_point] at the collocation points */
+  double *u, *h;          /* owned [n_band, n_point] radiosity and irradiance [W/m2] */
+  struct rad_solve_report report;
+  double seconds_scene, seconds_mesh, seconds_assemble;
+};
+
+/* deck -> scene -> mesh -> plan; refuses scenes that may have shadows. */
+enum rad_code rad_case_prepare(const char *deck, int n_set, const char *const *set,
+                               struct rad_case *c, struct rad_error *e);
+
+/* Refuses what does not fit into memory, then mesh -> system -> solution. */
+enum rad_code rad_case_solve(struct rad_case *c, struct rad_error *e);
+
+void rad_case_free(struct rad_case *c); /* safe twice */
+
+/* Predicted time, from samples of the real work on this machine. */
+enum rad_code rad_case_predict(struct rad_case *c, struct rad_error *e);
+
+/**
+ * Everything that goes into a result file: picture, means, probes, diagnostics.
+ *
+ * @param[out] result  to be freed with rad_result_free
+ */
+enum rad_code rad_case_result(const struct rad_case *c, const char *command,
+                              struct rad_result *result, struct rad_error *e);
+
+/* Parts of rad_case_result. */
+enum rad_code rad_case_picture(const struct rad_case *c, struct rad_picture *picture,
+                               struct rad_error *e);
+enum rad_code rad_case_means(const struct rad_case *c, double *radiosity, double *irradiance,
+                             struct rad_error *e);
+/* Refuse probes that lie on no triangle, before anything is solved. */
+enum rad_code rad_case_check_probes(const struct rad_case *c, struct rad_error *e);
+enum rad_code rad_case_probes(const struct rad_case *c, struct rad_result *result,
+                              struct rad_error *e);
+
+#endif

@@ -1,0 +1,164 @@
+/* Arguments in, exit code out; everything else is in the library. */
+#include <math.h>
+#include <omp.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "app/command.h"
+#include "base/provenance.h"
+
+static const char usage[] =
+    "polyrad: diffuse radiosity of scenes made of plane triangles\n"
+    "\n"
+    "  polyrad run DECK   [-o FILE] [--set KEY=VALUE]... [--threads N] [--quiet]\n"
+    "  polyrad check DECK [--set KEY=VALUE]... [--threads N]\n"
+    "  polyrad study DECK [-o FILE] [--set KEY=VALUE]... [--threads N] [--quiet]\n"
+    "  polyrad info FILE\n"
+    "  polyrad --help | --version\n"
+    "\n"
+    "run    solve the deck, write FILE, print a summary\n"
+    "check  read and validate; print sizes, predicted memory and time; solve nothing\n"
+    "study  run a sweep, print its table with estimated orders (EOC), write it\n"
+    "info   say what a result file holds\n"
+    "\n"
+    "  -o FILE          where to write (default: output.file of the deck)\n"
+    "  --set KEY=VALUE  override one key of the deck, for example method.elements=8\n"
+    "  --threads N      OpenMP threads (default: OMP_NUM_THREADS, then all cores)\n"
+    "  --quiet          no summary\n"
+    "\n"
+    "Exit codes: 0 done, 1 not converged or singular, 2 deck or usage, 3 file, memory or device.\n";
+
+typedef enum rad_code verb_function(const struct rad_command *, struct rad_error *);
+
+struct verb {
+  const char *name;
+  verb_function *function;
+  const char *operand;
+};
+
+static const struct verb verbs[] = {{"run", rad_app_run, "DECK"},
+                                    {"check", rad_app_check, "DECK"},
+                                    {"study", rad_app_study, "DECK"},
+                                    {"info", rad_app_info, "FILE"}};
+
+/* The value of an option: the rest of the word after '=', or the next word. */
+static const char *value_of(int argc, char **argv, int *i, size_t name_length) {
+  if (argv[*i][name_length] == '=')
+    return argv[*i] + name_length + 1;
+  return *i + 1 < argc ? argv[++*i] : NULL;
+}
+
+static int is_option(const char *word, const char *name) {
+  size_t n = strlen(name);
+  return !strncmp(word, name, n) && (word[n] == 0 || word[n] == '=');
+}
+
+static enum rad_code parse_threads(const char *text, int *threads, struct rad_error *e) {
+  char *end = NULL;
+  long n = text ? strtol(text, &end, 10) : 0;
+  if (!text || *end || n < 1 || n > 4096)
+    return rad_fail(e, RAD_EINPUT, "error: --threads needs a whole number from 1 to 4096, got '%s'",
+                    text ? text : "nothing");
+  *threads = (int)n;
+  return RAD_OK;
+}
+
+/* One word of the command line after the verb. */
+static enum rad_code parse_word(int argc, char **argv, int *i, struct rad_command *c,
+                                struct rad_error *e) {
+  const char *word = argv[*i];
+  if (!strcmp(word, "--quiet")) {
+    c->quiet = 1;
+  } else if (is_option(word, "-o")) {
+    if (!(c->output = value_of(argc, argv, i, 2)) || !*c->output)
+      return rad_fail(e, RAD_EINPUT, "error: -o needs a file name");
+  } else if (is_option(word, "--set")) {
+    const char *value = value_of(argc, argv, i, 5);
+    if (!value || c->n_set == RAD_MAX_SET)
+      return rad_fail(e, RAD_EINPUT, value ? "error: more than 256 --set options"
+                                           : "error: --set needs KEY=VALUE, for example "
+                                             "--set method.elements=8");
+    c->set[c->n_set++] = value;
+  } else if (is_option(word, "--threads")) {
+    return parse_threads(value_of(argc, argv, i, 9), &c->threads, e);
+  } else if (word[0] == '-' && word[1]) {
+    return rad_fail(e, RAD_EINPUT, "error: unknown option '%s'; polyrad --help lists them", word);
+  } else if (c->deck) {
+    return rad_fail(e, RAD_EINPUT, "error: one file at a time, but got '%s' and '%s'", c->deck, word);
+  } else {
+    c->deck = word;
+  }
+  return RAD_OK;
+}
+
+/* The command as typed, one string; owned by the caller. */
+static char *join(int argc, char **argv) {
+  size_t length = 1;
+  for (int i = 0; i < argc; i++)
+    length += strlen(argv[i]) + 1;
+  char *line = calloc(length, 1);
+  for (int i = 0; line && i < argc; i++) {
+    strcat(line, i ? " " : "");
+    strcat(line, argv[i]);
+  }
+  return line;
+}
+
+static int print_version(void) {
+  struct rad_provenance p = {0};
+  rad_provenance_get(&p);
+  printf("polyrad %s (%s)\n%s\n%s%s\n", p.version, p.git_revision, p.compiler, p.blas,
+         p.blas_parallel == 2 ? "" : " (not the OpenMP flavour: LU and products may be slower)");
+  return RAD_OK;
+}
+
+static enum rad_code run_verb(const struct verb *verb, int argc, char **argv, struct rad_error *e) {
+  struct rad_command c = {.verb = verb->name, .out = stdout, .log = stderr};
+  for (int i = 2; i < argc; i++) {
+    if (!strcmp(argv[i], "--help") || !strcmp(argv[i], "-h")) {
+      fputs(usage, stdout);
+      return RAD_OK;
+    }
+    enum rad_code code = parse_word(argc, argv, &i, &c, e);
+    if (code)
+      return code;
+  }
+  if (!c.deck)
+    return rad_fail(e, RAD_EINPUT, "error: polyrad %s needs a %s; polyrad --help shows how",
+                    verb->name, verb->operand);
+  if (c.threads)
+    omp_set_num_threads(c.threads);
+  char *line = join(argc, argv);
+  c.line = line ? line : "";
+  enum rad_code code = verb->function(&c, e);
+  free(line);
+  return code;
+}
+
+int main(int argc, char **argv) {
+  struct rad_error e = {0};
+#ifdef SIGXFSZ
+  signal(SIGXFSZ, SIG_IGN); /* a file size limit is then an error of write, and told as one */
+#endif
+  const char *word = argc > 1 ? argv[1] : "--help";
+  if (!strcmp(word, "--version"))
+    return print_version();
+  if (!strcmp(word, "--help") || !strcmp(word, "-h")) {
+    fputs(usage, argc > 1 ? stdout : stderr);
+    return argc > 1 ? RAD_OK : RAD_EINPUT;
+  }
+  for (size_t i = 0; i < sizeof verbs / sizeof *verbs; i++)
+    if (!strcmp(word, verbs[i].name)) {
+      enum rad_code code = run_verb(&verbs[i], argc, argv, &e);
+      if (code)
+        fprintf(stderr, "%s\n", e.text);
+      if (fflush(stdout) && !code) {
+        fprintf(stderr, "error: the summary could not be written to standard output\n");
+        return RAD_ESYSTEM;
+      }
+      return code;
+    }
+  fprintf(stderr, "error: unknown command '%s'; polyrad --help lists them\n", word);
+  return RAD_EINPUT;
+}

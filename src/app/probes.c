@@ -1,0 +1,128 @@
+/* Sensors: where they are in the scene, and u* and the irradiance there. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "app/case.h"
+#include "base/memory.h"
+#include "base/vec.h"
+
+struct place {
+  int triangle, base;
+  double mu[2], off; /* off: distance from the triangle's plane or outside of it, over its size */
+};
+
+/* Barycentric place of a point in a triangle's plane, counted from its nearest vertex. */
+static struct place place_in(const struct rad_scene *scene, int triangle, const double at[3]) {
+  const struct rad_triangle *t = &scene->triangle[triangle];
+  struct place p = {.triangle = triangle};
+  double nearest = INFINITY;
+  for (int c = 0; c < 3; c++) {
+    double d[3];
+    rad_sub(at, t->v[c], d);
+    if (rad_norm(d) < nearest) {
+      nearest = rad_norm(d);
+      p.base = c;
+    }
+  }
+  double f1[3], f2[3], d[3], n[3], c1[3], c2[3];
+  rad_sub(t->v[(p.base + 1) % 3], t->v[p.base], f1);
+  rad_sub(t->v[(p.base + 2) % 3], t->v[p.base], f2);
+  rad_sub(at, t->v[p.base], d);
+  rad_cross(f1, f2, n);
+  rad_cross(d, f2, c1);
+  rad_cross(f1, d, c2);
+  double nn = rad_dot(n, n), size = sqrt(2 * t->area);
+  p.mu[0] = rad_dot(c1, n) / nn;
+  p.mu[1] = rad_dot(c2, n) / nn;
+  double outside = fmax(fmax(-p.mu[0], -p.mu[1]), p.mu[0] + p.mu[1] - 1);
+  p.off = fmax(fabs(rad_dot(d, t->normal)) / size, fmax(outside, 0));
+  return p;
+}
+
+static enum rad_code locate(const struct rad_case *c, const struct rad_deck_probe *probe,
+                            struct place *best, struct rad_error *e) {
+  best->off = INFINITY;
+  for (int t = 0; t < c->scene.n_triangle; t++) {
+    const char *name = c->scene.surface_name[c->scene.triangle[t].surface];
+    if (probe->surface && strcmp(probe->surface, name))
+      continue;
+    struct place p = place_in(&c->scene, t, probe->at);
+    if (p.off < best->off)
+      *best = p;
+  }
+  if (best->off <= 1e-6)
+    return RAD_OK;
+  const char *where = probe->surface ? probe->surface : "any surface";
+  if (best->off == INFINITY)
+    return rad_fail(e, RAD_EINPUT,
+                    "%s:%d: error: probe %s names the surface '%s', which does not exist; correct "
+                    "the name or leave it out",
+                    c->deck.path, probe->line, probe->name, where);
+  return rad_fail(e, RAD_EINPUT,
+                  "%s:%d: error: probe %s at (%g, %g, %g) does not lie on %s; move it onto a triangle",
+                  c->deck.path, probe->line, probe->name, probe->at[0], probe->at[1], probe->at[2],
+                  where);
+}
+
+/* Places of all probes; checked before anything is solved. */
+static enum rad_code locate_all(const struct rad_case *c, struct place *place, struct rad_error *e) {
+  enum rad_code code = RAD_OK;
+  for (int i = 0; i < c->deck.n_probe && !code; i++)
+    code = locate(c, &c->deck.probe[i], &place[i], e);
+  return code;
+}
+
+enum rad_code rad_case_check_probes(const struct rad_case *c, struct rad_error *e) {
+  enum rad_code code = RAD_OK;
+  struct place place;
+  for (int i = 0; i < c->deck.n_probe && !code; i++)
+    code = locate(c, &c->deck.probe[i], &place, e);
+  return code;
+}
+
+/* u* = E + rho h at the probes (theory 6.1). */
+static void radiosity(const struct rad_case *c, const struct place *place, struct rad_result *r) {
+  int nb = c->scene.n_band;
+  for (int i = 0; i < c->deck.n_probe; i++) {
+    const struct place *p = &place[i];
+    for (int b = 0; b < nb; b++)
+      r->probe_radiosity[i * nb + b] =
+          rad_emission(&c->scene, p->triangle, b, p->base, p->mu) +
+          c->scene.rho[p->triangle * nb + b] * r->probe_irradiance[i * nb + b];
+    memcpy(r->probe_position + 3 * i, c->deck.probe[i].at, 3 * sizeof(double));
+    memcpy(r->probe_normal + 3 * i, c->scene.triangle[p->triangle].normal, 3 * sizeof(double));
+  }
+}
+
+enum rad_code rad_case_probes(const struct rad_case *c, struct rad_result *r, struct rad_error *e) {
+  size_t n = (size_t)c->deck.n_probe, nb = (size_t)c->scene.n_band;
+  struct place *place = rad_alloc(n, sizeof *place);
+  int *triangle = rad_alloc(n, 2 * sizeof(int)), *base = triangle + n;
+  double(*mu)[2] = rad_alloc(n, sizeof *mu);
+  r->probe_position = rad_alloc(n, 3 * sizeof(double));
+  r->probe_normal = rad_alloc(n, 3 * sizeof(double));
+  r->probe_radiosity = rad_alloc(n * nb, sizeof(double));
+  r->probe_irradiance = rad_alloc(n * nb, sizeof(double));
+  enum rad_code code = RAD_OK;
+  if (!place || !triangle || !mu || !r->probe_position || !r->probe_normal || !r->probe_radiosity ||
+      !r->probe_irradiance)
+    code = rad_fail_memory(e, "the probes", 100.0 * (double)n);
+  else
+    code = locate_all(c, place, e);
+  for (size_t i = 0; i < n && !code; i++) {
+    triangle[i] = place[i].triangle;
+    base[i] = place[i].base;
+    memcpy(mu[i], place[i].mu, sizeof mu[i]);
+  }
+  struct rad_point_list list = {(int)n, triangle, base, (const double(*)[2])mu};
+  if (!code && n)
+    code = rad_irradiance_at(&c->mesh, &c->rules, c->dense.sees, &list, (int)nb, c->u,
+                             r->probe_irradiance, e);
+  if (!code)
+    radiosity(c, place, r);
+  free(place);
+  free(triangle);
+  free(mu);
+  return code;
+}

@@ -1,0 +1,155 @@
+/* polyrad run and polyrad check: one deck, solved or only looked at. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "app/case.h"
+#include "app/command.h"
+#include "base/memory.h"
+#include "output/stamp.h"
+
+static const char *mesh_name[] = {"paper", "graded", "uniform"};
+static const char *solver_name[] = {"auto", "lu", "gmres", "neumann"};
+
+static void print_notes(const struct rad_case *c, FILE *log) {
+  for (int i = 0; i < c->notes.n; i++)
+    fprintf(log, "%s\n", c->notes.text[i]);
+}
+
+static void print_head(const struct rad_case *c, FILE *out) {
+  const struct rad_deck_method *m = &c->deck.method;
+  fprintf(out, "%s\n", c->deck.title ? c->deck.title : c->deck.path);
+  fprintf(out, "  scene    %d triangles, %d surfaces, %d band%s\n", c->scene.n_triangle,
+          c->scene.n_surface, c->scene.n_band, c->scene.n_band > 1 ? "s" : "");
+  fprintf(out, "  mesh     %s, N = %d, p = %g, degree %d: %d elements, %d unknowns\n",
+          mesh_name[m->mesh], m->elements, m->grading, m->degree, c->mesh.n_element, c->mesh.n_point);
+}
+
+static void print_means(const struct rad_case *c, const struct rad_result *r, FILE *out) {
+  int nb = c->scene.n_band;
+  fprintf(out, "  surface %-16s area [m2]   mean radiosity [W/m2]   mean irradiance [W/m2]\n", "");
+  for (int s = 0; s < c->scene.n_surface; s++)
+    for (int b = 0; b < nb; b++) {
+      double area = 0, u = 0, h = 0;
+      for (int t = 0; t < c->scene.n_triangle; t++)
+        if (c->scene.triangle[t].surface == s) {
+          double a = c->scene.triangle[t].area;
+          area += a;
+          u += a * r->triangle_radiosity[t * nb + b];
+          h += a * r->triangle_irradiance[t * nb + b];
+        }
+      char name[96];
+      snprintf(name, sizeof name, nb > 1 ? "%.40s, %.40s" : "%.40s", c->scene.surface_name[s],
+               c->scene.band[b]);
+      fprintf(out, "          %-16s %9.4g   %21.10g   %22.10g\n", name, area, u / area, h / area);
+    }
+}
+
+static void print_probes(const struct rad_case *c, const struct rad_result *r, FILE *out) {
+  int nb = c->scene.n_band;
+  if (c->deck.n_probe)
+    fprintf(out, "  probe   %-16s %41s   %22s\n", "", "radiosity [W/m2]", "irradiance [W/m2]");
+  for (int i = 0; i < c->deck.n_probe; i++)
+    for (int b = 0; b < nb; b++) {
+      char name[96];
+      snprintf(name, sizeof name, nb > 1 ? "%.40s, %.40s" : "%.40s", c->deck.probe[i].name,
+               c->scene.band[b]);
+      fprintf(out, "          %-16s %41.12g   %22.12g\n", name, r->probe_radiosity[i * nb + b],
+              r->probe_irradiance[i * nb + b]);
+    }
+}
+
+static void print_solution(const struct rad_case *c, const struct rad_result *r, FILE *out) {
+  const struct rad_solve_report *s = &c->report;
+  const struct rad_diagnostics *d = &r->diagnostics;
+  fprintf(out, "  matrix   dense, %.3g MB; %lld near and %lld far pairs, %lld skipped\n",
+          c->plan.matrix_bytes / 1e6, (long long)d->pairs_near, (long long)d->pairs_far,
+          (long long)d->pairs_skipped);
+  fprintf(out, "  solver   %s", solver_name[s->solver]);
+  if (s->solver == RAD_SOLVER_GMRES)
+    fprintf(out, ", %d steps", s->iterations);
+  if (s->solver == RAD_SOLVER_NEUMANN)
+    fprintf(out, ", %d bounces, the rest is below %.2e W/m2", s->iterations, s->remainder);
+  fprintf(out, "; kappa %.4f, residual %.1e W/m2", s->kappa, s->residual);
+  if (!isnan(s->condition_estimate))
+    fprintf(out, ", condition %.3g", s->condition_estimate);
+  if (!isnan(s->inverse_norm))
+    fprintf(out, ", |inverse| %.4g", s->inverse_norm);
+  fprintf(out, "\n");
+  print_means(c, r, out);
+  print_probes(c, r, out);
+  fprintf(out, "  time     %.3f s: assemble %.3f, factor %.3f, solve %.3f, output %.3f; %d threads\n",
+          d->seconds_total, d->seconds_assemble, d->seconds_factor, d->seconds_solve,
+          d->seconds_output, r->threads);
+}
+
+/* Picture, means and file of a case that has a solution, converged or not. */
+static enum rad_code output(const struct rad_case *c, const struct rad_command *command, double started,
+                            struct rad_error *e) {
+  const char *path = command->output ? command->output : c->deck.output.file;
+  struct rad_result result = {0};
+  enum rad_code code = rad_case_result(c, command->line, &result, e);
+  if (!code)
+    code = rad_result_write(path, &result, started, e);
+  if (!code && !command->quiet) {
+    print_solution(c, &result, command->out);
+    fprintf(command->out, "  written  %s%s\n", path, c->report.converged ? "" : " (NOT CONVERGED)");
+  }
+  rad_result_free(&result);
+  return code;
+}
+
+enum rad_code rad_app_run(const struct rad_command *command, struct rad_error *e) {
+  struct rad_case c;
+  double started = rad_stamp_now();
+  enum rad_code code = rad_case_prepare(command->deck, command->n_set, command->set, &c, e);
+  print_notes(&c, command->log);
+  if (!code) {
+    if (!command->quiet)
+      print_head(&c, command->out);
+    code = rad_case_solve(&c, e);
+  }
+  if (!code) {
+    code = output(&c, command, started, e);
+  } else if (code == RAD_ENUMERIC && c.report.iterations > 0 && isfinite(c.report.residual)) {
+    struct rad_error second; /* the first error is the one to report */
+    output(&c, command, started, &second);
+  }
+  rad_case_free(&c);
+  return code;
+}
+
+enum rad_code rad_app_check(const struct rad_command *command, struct rad_error *e) {
+  struct rad_case c;
+  enum rad_code code = rad_case_prepare(command->deck, command->n_set, command->set, &c, e);
+  print_notes(&c, command->log);
+  if (!code)
+    code = rad_case_predict(&c, e);
+  if (!code) {
+    const struct rad_plan *p = &c.plan;
+    print_head(&c, command->out);
+    fprintf(command->out, "  matrix   %.4g MB, dense; the run holds %.4g MB of %.4g MB available\n",
+            p->matrix_bytes / 1e6, p->bytes / 1e6, p->available / 1e6);
+    fprintf(command->out, "  solver   %s\n", solver_name[p->solver]);
+    fprintf(command->out,
+            "  skipped  %.1f %% of %.4g point-element pairs: coplanar or facing away\n",
+            100.0 * (double)p->skipped / (double)p->pairs, (double)p->pairs);
+    fprintf(command->out, "  time     about %.2g s\n", p->seconds);
+    if (p->bytes > p->available)
+      code = rad_fail(e, RAD_ESYSTEM,
+                      "the run would be refused: it needs %.3g GB of memory, %.3g GB are available",
+                      p->bytes / 1e9, p->available / 1e9);
+  }
+  rad_case_free(&c);
+  return code;
+}
+
+enum rad_code rad_app_info(const struct rad_command *command, struct rad_error *e) {
+  char *text = NULL;
+  enum rad_code code = rad_result_describe(command->deck, &text, e);
+  if (!code)
+    fputs(text, command->out);
+  free(text);
+  return code;
+}

@@ -1,0 +1,85 @@
+#include "base/gauss.h"
+
+#include <math.h>
+
+#include "base/memory.h"
+
+#include <stdlib.h>
+
+/* Newton in long double: the rules are good to the last bit of double. */
+static void rule(int n, double *node, double *weight) {
+  for (int i = 0; i < (n + 1) / 2; i++) {
+    long double x = cosl(3.14159265358979323846L * (i + 0.75L) / (n + 0.5L)), slope = 1;
+    for (int step = 0; step < 100; step++) {
+      long double p0 = 1, p1 = x;
+      for (int m = 2; m <= n; m++) {
+        long double p2 = ((2 * m - 1) * x * p1 - (m - 1) * p0) / m;
+        p0 = p1;
+        p1 = p2;
+      }
+      slope = n * (x * p1 - p0) / (x * x - 1);
+      long double dx = p1 / slope;
+      x -= dx;
+      if (fabsl(dx) < 1e-18L)
+        break;
+    }
+    if (2 * i + 1 == n)
+      x = 0;
+    long double p0 = 1, p1 = x;
+    for (int m = 2; m <= n; m++) {
+      long double p2 = ((2 * m - 1) * x * p1 - (m - 1) * p0) / m;
+      p0 = p1;
+      p1 = p2;
+    }
+    slope = n * (x * p1 - p0) / (x * x - 1);
+    node[i] = (double)-x;
+    node[n - 1 - i] = (double)x;
+    weight[i] = weight[n - 1 - i] = (double)(2 / ((1 - x * x) * slope * slope));
+  }
+}
+
+enum rad_code rad_gauss_init(struct rad_gauss *g, struct rad_error *e) {
+  size_t total = RAD_GAUSS_MAX * (RAD_GAUSS_MAX + 1) / 2;
+  g->node = rad_alloc(total, sizeof *g->node);
+  g->weight = rad_alloc(total, sizeof *g->weight);
+  if (!g->node || !g->weight)
+    return rad_fail_memory(e, "the table of Gauss points", 16.0 * (double)total);
+  for (int n = 1; n <= RAD_GAUSS_MAX; n++)
+    rule(n, g->node + n * (n - 1) / 2, g->weight + n * (n - 1) / 2);
+  return RAD_OK;
+}
+
+void rad_gauss_free(struct rad_gauss *g) {
+  free(g->node);
+  free(g->weight);
+  *g = (struct rad_gauss){0};
+}
+
+void rad_legendre(int k, double x, double *p) {
+  p[0] = 1;
+  if (k > 1)
+    p[1] = x;
+  for (int m = 2; m < k; m++)
+    p[m] = ((2 * m - 1) * x * p[m - 1] - (m - 1) * p[m - 2]) / m;
+}
+
+void rad_lagrange_from_legendre(const struct rad_gauss *g, int k, double *t) {
+  const double *x = rad_gauss_node(g, k), *w = rad_gauss_weight(g, k);
+  for (int a = 0; a < k; a++) {
+    rad_legendre(k, x[a], t + a * k);
+    for (int m = 0; m < k; m++)
+      t[a * k + m] *= 0.5 * (2 * m + 1) * w[a];
+  }
+}
+
+void rad_lagrange(const struct rad_gauss *g, int k, double x, double *value) {
+  double p[RAD_GAUSS_MAX], q[RAD_GAUSS_MAX];
+  const double *node = rad_gauss_node(g, k), *w = rad_gauss_weight(g, k);
+  rad_legendre(k, x, p);
+  for (int a = 0; a < k; a++) {
+    rad_legendre(k, node[a], q);
+    value[a] = 0;
+    for (int m = 0; m < k; m++)
+      value[a] += 0.5 * (2 * m + 1) * w[a] * q[m] * p[m];
+  }
+}

@@ -1,0 +1,21 @@
+/* How much memory there is, how much was used, and one place to ask for large blocks. */
+#ifndef RAD_BASE_MEMORY_H
+#define RAD_BASE_MEMORY_H
+
+#include <stddef.h>
+
+/* Bytes this process may still take: the least of free RAM, ulimit -v/-d and the cgroup's rest. */
+double rad_memory_available(void);
+
+/* Largest resident size so far [bytes]. */
+double rad_memory_peak(void);
+
+/* Zeroed pages from the system, untouched ones cost nothing; huge pages where offered. NULL if none. */
+void *rad_pages_alloc(size_t bytes);
+void rad_pages_free(void *pages, size_t bytes); /* NULL is fine */
+
+/* malloc/calloc of n items, NULL on overflow or when n is 0 is never returned (at least 1 byte). */
+void *rad_alloc(size_t n, size_t item);
+void *rad_calloc(size_t n, size_t item);
+
+#endif

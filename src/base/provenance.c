@@ -1,0 +1,21 @@
+#include "base/provenance.h"
+
+#include <stddef.h>
+
+#include "build_info.h" /* made by the build: RAD_VERSION, RAD_GIT_REVISION, RAD_COMPILER, RAD_FLAGS */
+
+/* Only OpenBLAS has these; with another BLAS they are absent, and NULL. */
+extern char *openblas_get_config(void) __attribute__((weak));
+extern int openblas_get_parallel(void) __attribute__((weak));
+
+void rad_provenance_get(struct rad_provenance *p) {
+  *p = (struct rad_provenance){
+      .version = RAD_VERSION,
+      .git_revision = RAD_GIT_REVISION,
+      .compiler = RAD_COMPILER,
+      .flags = RAD_FLAGS,
+      .blas = openblas_get_config ? openblas_get_config() : "not OpenBLAS",
+      .hdf5 = NULL,
+      .blas_parallel = openblas_get_parallel ? openblas_get_parallel() : -1,
+  };
+}

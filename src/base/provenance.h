@@ -1,0 +1,13 @@
+/* Which program made a result: version, revision, compiler, libraries, and machine. */
+#ifndef RAD_BASE_PROVENANCE_H
+#define RAD_BASE_PROVENANCE_H
+
+struct rad_provenance {
+  const char *version, *git_revision, *compiler, *flags, *blas, *hdf5;
+  int blas_parallel; /* openblas_get_parallel(): 0 serial, 1 pthread, 2 OpenMP; -1 unknown */
+};
+
+/* Fills in static strings; hdf5 is left NULL here (the output room knows it). */
+void rad_provenance_get(struct rad_provenance *p);
+
+#endif

@@ -1,0 +1,28 @@
+/* The iterated (Sloan) solution u* = E + rho K u_h at any point of the scene. */
+#ifndef RAD_ESTIMATE_ITERATE_H
+#define RAD_ESTIMATE_ITERATE_H
+
+#include "integrate/element.h"
+
+/* Points on triangles, positions as in rad_patch; runs of one triangle are worked on together. */
+struct rad_point_list {
+  int n;
+  const int *triangle;   /* [n] */
+  const int *base;       /* [n] */
+  const double (*mu)[2]; /* [n] */
+};
+
+/**
+ * Irradiance h = K u at points, by the integrator that made the matrix, in parallel.
+ *
+ *   u*(x) = E(x) + rho h(x)                                                          (theory 6.1)
+ *
+ * @param[in]  sees  [n_triangle, n_triangle] of rad_sees
+ * @param[in]  u     [n_band, n_point] radiosity at the collocation points [W/m2]
+ * @param[out] h     [n, n_band] [W/m2]
+ */
+enum rad_code rad_irradiance_at(const struct rad_mesh *mesh, const struct rad_rules *rules,
+                                const unsigned char *sees, const struct rad_point_list *points,
+                                int n_band, const double *u, double *h, struct rad_error *e);
+
+#endif

@@ -1,0 +1,49 @@
+/* The integrals of one source patch for many targets: far or near, whole or cut at the horizon. */
+#ifndef RAD_INTEGRATE_ELEMENT_H
+#define RAD_INTEGRATE_ELEMENT_H
+
+#include <stdint.h>
+
+#include "integrate/rule.h"
+
+/* Target points on one triangle, positions as in rad_patch. */
+struct rad_targets {
+  int triangle, n;
+  const int *base;        /* [n] */
+  const double (*mu)[2];  /* [n] */
+};
+
+struct rad_counters {
+  int64_t kernel_values, near, far; /* near, far: pairs of a point and an element */
+};
+
+/* Memory of one thread. */
+struct rad_scratch {
+  struct rad_counters counters;
+  double *far;   /* owned */
+  double *frame; /* owned [3, RAD_BATCH] targets in the frame of the patch */
+  int *list;     /* owned [(2 RAD_N_ORDER + 2), RAD_BATCH] targets by rule */
+  int *count;    /* owned [2 RAD_N_ORDER + 2] */
+};
+
+enum { RAD_BATCH = 512 }; /* most targets at once */
+
+enum rad_code rad_scratch_init(const struct rad_mesh *mesh, struct rad_scratch *s, struct rad_error *e);
+void rad_scratch_free(struct rad_scratch *s); /* safe twice */
+
+/**
+ * K[i, b] = int G(x_i, y) L_b(y) dS for all trial functions b of one patch                  (theory 3.3)
+ *
+ * @param[in]  targets  at most RAD_BATCH
+ * @param[out] k        k[i + ld * unknown], written for the unknowns of the patch only
+ * Every entry to rules->tolerance of the row's sum over its element. Thread-safe with its own
+ * scratch; no allocation. Pairs that see nothing of each other are set to 0.
+ */
+void rad_patch_block(const struct rad_mesh *mesh, const struct rad_rules *rules,
+                     const struct rad_targets *targets, int patch, double *k, int64_t ld,
+                     struct rad_scratch *s);
+
+/* True if the block of these triangles vanishes: coplanar, or one behind the other. */
+int rad_block_is_zero(const struct rad_scene *scene, int target, int source);
+
+#endif

@@ -1,0 +1,229 @@
+#include "mesh/mesh.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "mesh/grade.h"
+
+static double sub_grading(const struct rad_triangle *t, int sub, const struct rad_deck_method *m) {
+  return t->n_grading == 6 ? t->grading[sub] : t->n_grading == 3 ? t->grading[sub / 2] : m->grading;
+}
+
+static int sub_elements(const struct rad_triangle *t, int sub, const struct rad_deck_method *m) {
+  return t->n_elements == 6 ? t->elements[sub] : t->n_elements == 1 ? t->elements[0] : m->elements;
+}
+
+/* Number of patches and elements of one triangle. */
+static void count(const struct rad_triangle *t, const struct rad_deck_method *m, int *n_patch,
+                  double *n_element) {
+  if (m->mesh == RAD_MESH_UNIFORM) {
+    int n = sub_elements(t, 0, m);
+    *n_patch = n * n;
+    *n_element = *n_patch;
+    return;
+  }
+  *n_patch = RAD_N_SUB;
+  *n_element = 0;
+  for (int s = 0; s < RAD_N_SUB; s++) {
+    int n = sub_elements(t, s, m);
+    *n_element += m->mesh == RAD_MESH_PAPER ? rad_grade_count(n, sub_grading(t, s, m)) : (double)n * n;
+  }
+}
+
+static void add_element(struct rad_mesh *mesh, struct rad_element e) {
+  e.patch = mesh->n_patch - 1;
+  e.first = mesh->n_point;
+  e.n_function = e.fold ? 3 : e.k_phi * e.k_r;
+  mesh->n_point += e.n_function;
+  mesh->element[mesh->n_element++] = e;
+}
+
+static void add_paper(struct rad_mesh *mesh, int n, double p, const struct rad_deck_method *m,
+                      struct rad_rectangle *scratch) {
+  int total = rad_grade_count(n, p);
+  rad_grade_fill(n, p, scratch);
+  for (int i = 0; i < total; i++) {
+    const struct rad_rectangle *q = &scratch[i];
+    int k = rad_grade_constant(q->layer, n, p, m->constant_layers) ? 1 : m->degree + 1;
+    add_element(mesh, (struct rad_element){.sigma = {q->phi[0], q->phi[1]},
+                                           .tau = {q->r[0], q->r[1]},
+                                           .p_phi = 1,
+                                           .p_r = 1,
+                                           .k_phi = k,
+                                           .k_r = k});
+  }
+}
+
+static void add_graded(struct rad_mesh *mesh, int n, double p, const struct rad_deck_method *m) {
+  int k = m->degree + 1;
+  for (int j = 0; j < n; j++)
+    for (int i = 0; i < n; i++)
+      add_element(mesh, (struct rad_element){.sigma = {(double)i / n, (double)(i + 1) / n},
+                                             .tau = {(double)j / n, (double)(j + 1) / n},
+                                             .p_phi = p,
+                                             .p_r = p,
+                                             .k_phi = k,
+                                             .k_r = k});
+}
+
+/* Red refinement: n rows of small triangles, upright ones and, between them, inverted ones. */
+static void add_uniform(struct rad_mesh *mesh, int triangle, int n, int degree) {
+  for (int j = 0; j < n; j++)
+    for (int i = 0; i < 2 * (n - j) - 1; i++) {
+      int up = i % 2 == 0, c = i / 2;
+      double corner[3][2] = {{up ? c : c + 1, j}, {c + 1, up ? j : j + 1}, {c, j + 1}};
+      for (int v = 0; v < 3; v++)
+        for (int d = 0; d < 2; d++)
+          corner[v][d] /= n;
+      rad_patch_plain(mesh->scene, triangle, (const double(*)[2])corner,
+                      &mesh->patch[mesh->n_patch++]);
+      mesh->element_first[mesh->n_patch - 1] = mesh->n_element;
+      int k = degree + 1;
+      add_element(mesh, (struct rad_element){.sigma = {0, 1},
+                                             .tau = {0, 1},
+                                             .p_phi = 1,
+                                             .p_r = 1,
+                                             .k_phi = k,
+                                             .k_r = k,
+                                             .fold = degree == 1 ? mesh->fold : NULL});
+    }
+}
+
+/* Local coordinates of the uniform mesh's nodes: the centroid, or 1/6, 1/6, 2/3 and its turns. */
+static const double uniform_node[2][3][2] = {{{0.5, 2.0 / 3}},
+                                             {{0.5, 1.0 / 3}, {0.2, 5.0 / 6}, {0.8, 5.0 / 6}}};
+
+/* Local coordinates (phi, r) of point b of an element. */
+static void local_point(const struct rad_mesh *mesh, const struct rad_element *e, int b,
+                        double *phi, double *r) {
+  const struct rad_patch *patch = &mesh->patch[e->patch];
+  if (patch->corner < 0) {
+    const double *node = uniform_node[e->fold != NULL][b];
+    *phi = node[0];
+    *r = node[1];
+    return;
+  }
+  double x = rad_gauss_node(&mesh->gauss, e->k_phi)[b % e->k_phi];
+  double y = rad_gauss_node(&mesh->gauss, e->k_r)[b / e->k_phi];
+  double sigma = e->sigma[0] + 0.5 * (1 + x) * (e->sigma[1] - e->sigma[0]);
+  double tau = e->tau[0] + 0.5 * (1 + y) * (e->tau[1] - e->tau[0]);
+  *phi = e->p_phi == 1 ? sigma : pow(sigma, e->p_phi);
+  *r = e->p_r == 1 ? tau : pow(tau, e->p_r);
+}
+
+static void set_points(struct rad_mesh *mesh) {
+  for (int i = 0; i < mesh->n_element; i++) {
+    const struct rad_element *e = &mesh->element[i];
+    const struct rad_patch *patch = &mesh->patch[e->patch];
+    for (int b = 0; b < e->n_function; b++) {
+      double phi, r;
+      local_point(mesh, e, b, &phi, &r);
+      mesh->point_base[e->first + b] = patch->base;
+      rad_patch_mu(patch, phi, r, mesh->point_mu[e->first + b]);
+    }
+  }
+}
+
+/* fold[f,b] = value of the linear function f of the uniform mesh at tensor Gauss point b. */
+static void set_fold(struct rad_mesh *mesh) {
+  const double *x = rad_gauss_node(&mesh->gauss, 2);
+  for (int b = 0; b < 4; b++) {
+    double phi = 0.5 * (1 + x[b % 2]), r = 0.5 * (1 + x[b / 2]);
+    double bary[3] = {1 - r, r * (1 - phi), r * phi};
+    for (int f = 0; f < 3; f++) /* 1 at its node, 0 at the others: 2 bary - 1/3 */
+      mesh->fold[4 * f + b] = 2 * bary[f] - 1.0 / 3;
+  }
+}
+
+static enum rad_code allocate(struct rad_mesh *mesh, double n_element, const struct rad_deck_method *m,
+                              struct rad_error *e) {
+  int n_triangle = mesh->scene->n_triangle;
+  double k = m->degree + 1, n_point = n_element * k * k;
+  if (n_point > 2e9)
+    return rad_fail(e, RAD_EINPUT,
+                    "the mesh would have %.3g unknowns, more than 2e9: lower method.elements, "
+                    "method.grading or method.degree",
+                    n_point);
+  mesh->patch = rad_calloc((size_t)mesh->n_patch, sizeof *mesh->patch);
+  mesh->element = rad_calloc((size_t)n_element, sizeof *mesh->element);
+  mesh->patch_first = rad_calloc((size_t)n_triangle + 1, sizeof(int));
+  mesh->element_first = rad_calloc((size_t)mesh->n_patch + 1, sizeof(int));
+  mesh->point_first = rad_calloc((size_t)n_triangle + 1, sizeof(int));
+  mesh->point_base = rad_calloc((size_t)n_point, sizeof(int));
+  mesh->point_mu = rad_calloc((size_t)n_point, sizeof *mesh->point_mu);
+  if (!mesh->patch || !mesh->element || !mesh->patch_first || !mesh->element_first ||
+      !mesh->point_first || !mesh->point_base || !mesh->point_mu)
+    return rad_fail_memory(e, "the mesh", n_point * 20 + n_element * sizeof *mesh->element);
+  return RAD_OK;
+}
+
+static void fill(struct rad_mesh *mesh, const struct rad_deck_method *m, struct rad_rectangle *scratch) {
+  const struct rad_scene *scene = mesh->scene;
+  mesh->n_patch = 0;
+  for (int i = 0; i < scene->n_triangle; i++) {
+    const struct rad_triangle *t = &scene->triangle[i];
+    mesh->patch_first[i] = mesh->n_patch;
+    mesh->point_first[i] = mesh->n_point;
+    if (m->mesh == RAD_MESH_UNIFORM) {
+      add_uniform(mesh, i, sub_elements(t, 0, m), m->degree);
+      continue;
+    }
+    for (int s = 0; s < RAD_N_SUB; s++) {
+      mesh->element_first[mesh->n_patch] = mesh->n_element;
+      rad_patch_sub_triangle(scene, i, s, m->angle, &mesh->patch[mesh->n_patch++]);
+      if (m->mesh == RAD_MESH_PAPER)
+        add_paper(mesh, sub_elements(t, s, m), sub_grading(t, s, m), m, scratch);
+      else
+        add_graded(mesh, sub_elements(t, s, m), sub_grading(t, s, m), m);
+    }
+  }
+  mesh->patch_first[scene->n_triangle] = mesh->n_patch;
+  mesh->point_first[scene->n_triangle] = mesh->n_point;
+  mesh->element_first[mesh->n_patch] = mesh->n_element;
+}
+
+enum rad_code rad_mesh_build(const struct rad_scene *scene, const struct rad_deck_method *m,
+                             struct rad_mesh *mesh, struct rad_error *e) {
+  *mesh = (struct rad_mesh){.scene = scene};
+  if (m->mesh == RAD_MESH_UNIFORM && m->degree > 1)
+    return rad_fail(e, RAD_EINPUT,
+                    "method.degree is %d, but the uniform mesh has degree 0 or 1 only; choose mesh: "
+                    "paper or graded for higher degrees",
+                    m->degree);
+  enum rad_code code = rad_gauss_init(&mesh->gauss, e);
+  if (code)
+    return code;
+  double n_element = 0, most = 1;
+  for (int i = 0; i < scene->n_triangle; i++) {
+    int n_patch;
+    double n;
+    count(&scene->triangle[i], m, &n_patch, &n);
+    mesh->n_patch += n_patch;
+    n_element += n;
+    most = fmax(most, n);
+  }
+  if ((code = allocate(mesh, n_element, m, e)))
+    return code;
+  struct rad_rectangle *scratch = rad_alloc((size_t)most, sizeof *scratch);
+  if (!scratch)
+    return rad_fail_memory(e, "the mesh", most * sizeof *scratch);
+  set_fold(mesh);
+  fill(mesh, m, scratch);
+  free(scratch);
+  set_points(mesh);
+  return RAD_OK;
+}
+
+void rad_mesh_free(struct rad_mesh *mesh) {
+  rad_gauss_free(&mesh->gauss);
+  free(mesh->patch);
+  free(mesh->element);
+  free(mesh->patch_first);
+  free(mesh->element_first);
+  free(mesh->point_first);
+  free(mesh->point_base);
+  free(mesh->point_mu);
+  *mesh = (struct rad_mesh){0};
+}

@@ -1,0 +1,243 @@
+/* What a result file holds, in words. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "output/hdf.h"
+#include "output/report.h"
+#include "output/result.h"
+
+enum { MAX_SHOWN = 50, MAX_DEPTH = 8 }; /* rows of a list; nesting of groups */
+
+static void say_text(FILE *out, hid_t at, const char *label, const char *attribute) {
+  char *text = rad_hdf_get_text(at, attribute);
+  if (text && *text)
+    fprintf(out, "  %-22s %s\n", label, text);
+  free(text);
+}
+
+static void say_number(FILE *out, hid_t at, const char *label, const char *attribute,
+                       const char *unit) {
+  const double value = rad_hdf_get_number(at, attribute);
+  if (isnan(value))
+    fprintf(out, "  %-22s not computed\n", label);
+  else
+    fprintf(out, "  %-22s %.10g%s%s\n", label, value, *unit ? " " : "", unit);
+}
+
+static void say_origin(FILE *out, hid_t root) {
+  char *version = rad_hdf_get_text(root, "version");
+  char *revision = rad_hdf_get_text(root, "git_revision");
+  say_text(out, root, "title", "title");
+  fprintf(out, "  %-22s polyrad %s, revision %s\n", "program", version ? version : "?",
+          revision ? revision : "?");
+  say_text(out, root, "compiler", "compiler");
+  say_text(out, root, "flags", "flags");
+  say_text(out, root, "BLAS", "blas");
+  say_text(out, root, "HDF5", "hdf5");
+  say_text(out, root, "started", "started");
+  say_number(out, root, "threads", "threads", "");
+  say_text(out, root, "command", "command");
+  say_text(out, root, "bands", "bands");
+  say_text(out, root, "matrix", "matrix");
+  say_text(out, root, "solver", "solver");
+  free(revision);
+  free(version);
+}
+
+/* A named list with numbers, such as /surfaces: one row a name, one column a quantity and band. */
+static void say_list(FILE *out, hid_t root, const char *name, int n_column,
+                     const char *const column[]) {
+  if (!rad_hdf_has(root, name))
+    return;
+  const hid_t group = H5Gopen2(root, name, H5P_DEFAULT);
+  if (group < 0)
+    return;
+  struct rad_report report = {0};
+  rad_report_names(&report, group, "name");
+  if (report.n_row > 0) {
+    fprintf(out, "\n%s (%d):\n", name, report.n_row);
+    for (int k = 0; k < n_column; k++)
+      rad_report_numbers(&report, group, column[k]);
+    rad_report_print(&report, MAX_SHOWN, out);
+  }
+  rad_report_free(&report);
+  H5Gclose(group);
+}
+
+static void say_diagnostics(FILE *out, hid_t root) {
+  static const char *const phase[] = {"scene", "mesh",     "assemble", "factor",
+                                      "solve", "estimate", "output",   "total"};
+  if (!rad_hdf_has(root, "diagnostics"))
+    return;
+  const hid_t at = H5Gopen2(root, "diagnostics", H5P_DEFAULT);
+  if (at < 0)
+    return;
+  fprintf(out, "\nsolution:\n");
+  fprintf(out, "  %-22s %s\n", "converged", rad_hdf_get_number(at, "converged") > 0 ? "yes" : "NO");
+  say_number(out, at, "unknowns", "unknowns", "");
+  say_number(out, at, "elements", "elements", "");
+  say_number(out, at, "iterations", "iterations", "");
+  say_number(out, at, "kappa", "kappa", "");
+  say_number(out, at, "residual", "residual", "W/m2");
+  say_number(out, at, "error indicator", "error_indicator", "W/m2");
+  say_number(out, at, "error bound", "error_bound", "W/m2");
+  say_number(out, at, "condition estimate", "condition_estimate", "");
+  say_number(out, at, "matrix", "matrix_bytes", "bytes");
+  say_number(out, at, "peak memory", "peak_memory_bytes", "bytes");
+  fprintf(out, "\ntimes:\n");
+  for (size_t k = 0; k < sizeof phase / sizeof *phase; k++) {
+    char name[32];
+    snprintf(name, sizeof name, "seconds_%s", phase[k]);
+    fprintf(out, "  %-10s %10.3f s\n", phase[k], rad_hdf_get_number(at, name));
+  }
+  H5Gclose(at);
+}
+
+static void say_study(FILE *out, hid_t root) {
+  if (!rad_hdf_has(root, "study"))
+    return;
+  const hid_t group = H5Gopen2(root, "study", H5P_DEFAULT);
+  if (group < 0)
+    return;
+  struct rad_report report = {0};
+  rad_report_group(&report, group);
+  fprintf(out, "\nstudy (%d runs):\n", report.n_row);
+  rad_report_print(&report, report.n_row, out);
+  rad_report_free(&report);
+  H5Gclose(group);
+}
+
+static void say_dataset(FILE *out, hid_t dataset, const char *path) {
+  const hid_t space = H5Dget_space(dataset);
+  hsize_t shape[H5S_MAX_RANK] = {0};
+  const int rank = H5Sget_simple_extent_dims(space, shape, NULL);
+  char text[80] = "", *unit = rad_hdf_get_text(dataset, "unit");
+  for (int k = 0; k < rank && k < RAD_HDF_MAX_RANK; k++) {
+    const size_t used = strlen(text);
+    snprintf(text + used, sizeof text - used, "%s%llu", k ? ", " : "",
+             (unsigned long long)shape[k]);
+  }
+  char *description = rad_hdf_get_text(dataset, "description");
+  fprintf(out, "  %-35s [%s] %s: %s\n", path, text, unit ? unit : "",
+          description ? description : "");
+  free(description);
+  free(unit);
+  H5Sclose(space);
+}
+
+/* All datasets below an open group; path is what leads to it. */
+static void say_datasets(FILE *out, hid_t group, const char *path, int depth) {
+  H5G_info_t is;
+  if (depth > MAX_DEPTH || H5Gget_info(group, &is) < 0)
+    return;
+  for (hsize_t k = 0; k < is.nlinks; k++) {
+    char name[256], below[1024];
+    if (H5Lget_name_by_idx(group, ".", H5_INDEX_NAME, H5_ITER_INC, k, name, sizeof name,
+                           H5P_DEFAULT) < 0)
+      continue;
+    const hid_t member = rad_hdf_has(group, name) ? H5Oopen(group, name, H5P_DEFAULT) : -1;
+    if (member < 0)
+      continue;
+    snprintf(below, sizeof below, "%s/%s", path, name);
+    if (H5Iget_type(member) == H5I_DATASET)
+      say_dataset(out, member, below);
+    else if (H5Iget_type(member) == H5I_GROUP)
+      say_datasets(out, member, below, depth + 1);
+    H5Oclose(member);
+  }
+}
+
+static void say_members(FILE *out, hid_t file) {
+  static const char *const top[] = {"VTKHDF", "polyrad"};
+  fprintf(out, "\ndatasets:\n");
+  for (int k = 0; k < 2; k++) {
+    char path[16];
+    const hid_t group = rad_hdf_has(file, top[k]) ? H5Gopen2(file, top[k], H5P_DEFAULT) : -1;
+    if (group < 0)
+      continue;
+    snprintf(path, sizeof path, "/%s", top[k]);
+    say_datasets(out, group, path, 0);
+    H5Gclose(group);
+  }
+}
+
+static void say_all(FILE *out, const char *path, hid_t file, hid_t root) {
+  static const char *const surface[] = {"area", "mean_radiosity", "mean_irradiance"};
+  static const char *const probe[] = {"position", "radiosity", "irradiance"};
+  fprintf(out, "%s: polyrad %s\n", path, rad_hdf_has(root, "study") ? "study" : "result");
+  say_origin(out, root);
+  say_list(out, root, "surfaces", 3, surface);
+  say_list(out, root, "probes", 3, probe);
+  say_diagnostics(out, root);
+  say_study(out, root);
+  say_members(out, file);
+}
+
+/* Open /polyrad and see that this program wrote it. */
+static hid_t open_root(hid_t file) {
+  const hid_t root = rad_hdf_has(file, "polyrad") ? H5Gopen2(file, "polyrad", H5P_DEFAULT) : -1;
+  char *version = root >= 0 ? rad_hdf_get_text(root, "version") : NULL;
+  const bool ours = version != NULL;
+  free(version);
+  if (root >= 0 && !ours)
+    H5Gclose(root);
+  return ours ? root : H5I_INVALID_HID;
+}
+
+static enum rad_code describe(const char *path, hid_t file, char **text, struct rad_error *e) {
+  const hid_t root = open_root(file);
+  if (root < 0)
+    return rad_fail(e, RAD_ESYSTEM,
+                    "%s is an HDF5 file but not from polyrad (no /polyrad with a version); name a "
+                    "file that `polyrad run` or `polyrad study` wrote",
+                    path);
+  size_t size = 0;
+  FILE *out = open_memstream(text, &size);
+  if (out)
+    say_all(out, path, file, root);
+  H5Gclose(root);
+  if (!out || fclose(out) != 0) {
+    free(*text);
+    *text = NULL;
+    return rad_fail_memory(e, "the description of a file", (double)size);
+  }
+  return RAD_OK;
+}
+
+/* HDF5 says "unable to open file" for everything; the system and the first bytes say more. */
+static enum rad_code refuse(const char *path, struct rad_error *e) {
+  static const char signature[8] = "\211HDF\r\n\032\n";
+  char first[8] = "", message[160];
+  rad_hdf_message(sizeof message, message);
+  FILE *f = fopen(path, "rb");
+  if (!f)
+    return rad_fail(e, RAD_ESYSTEM, "cannot read %s: %m; check the name and its permissions", path);
+  const size_t n = fread(first, 1, sizeof first, f);
+  const bool readable = !ferror(f);
+  fclose(f);
+  if (!readable)
+    return rad_fail(e, RAD_ESYSTEM, "cannot read %s: %m; name a file that `polyrad run` wrote",
+                    path);
+  if (n < sizeof first || memcmp(first, signature, sizeof first) != 0)
+    return rad_fail(e, RAD_ESYSTEM,
+                    "%s is not a polyrad result file (it is not HDF5); name a file that `polyrad "
+                    "run` or `polyrad study` wrote",
+                    path);
+  return rad_fail(e, RAD_ESYSTEM, "cannot read %s: damaged or in use (HDF5: %s); run polyrad again",
+                  path, message);
+}
+
+enum rad_code rad_result_describe(const char *path, char **text, struct rad_error *e) {
+  struct rad_hdf_silence silence;
+  *text = NULL;
+  rad_hdf_silence_begin(&silence);
+  const hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
+  const enum rad_code code = file < 0 ? refuse(path, e) : describe(path, file, text, e);
+  if (file >= 0)
+    H5Fclose(file);
+  rad_hdf_silence_end(&silence);
+  return code;
+}

@@ -1,0 +1,107 @@
+/* HDF5 in the words of this program: groups, arrays with unit and description, texts, numbers.
+ *
+ * Writing. The file is built in memory and saved by rad_save at the end. HDF5 1.10 cannot close a
+ * file whose disk is full: H5Fclose fails, and the process dies at exit by a segmentation fault. In
+ * memory, errors of the disk are ours to report. The price is memory: one time the (compressed)
+ * file.
+ *
+ * The first error is kept and turns all later calls into nothing, so that callers only check the
+ * end. Objects carry no time stamps: equal contents are equal bytes.
+ *
+ * Reading. Plain calls; whatever is absent or of another type is NULL or NAN.
+ */
+#ifndef RAD_OUTPUT_HDF_H
+#define RAD_OUTPUT_HDF_H
+
+#include <hdf5.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/error.h"
+
+enum { RAD_HDF_MAX_RANK = 3 };
+
+/* HDF5 prints its errors to stderr unless told not to; an application may have its own wish. */
+struct rad_hdf_silence {
+  H5E_auto2_t print;
+  void *data;
+};
+
+void rad_hdf_silence_begin(struct rad_hdf_silence *s);
+void rad_hdf_silence_end(const struct rad_hdf_silence *s);
+
+/* Innermost message of HDF5's error stack, without its details; "unknown error" if there is none.
+ */
+void rad_hdf_message(size_t size, char text[size]);
+
+/* A file being written. */
+struct rad_hdf {
+  hid_t file;
+  bool failed;
+  char cause[320]; /* when failed */
+  struct rad_hdf_silence silence;
+};
+
+void rad_hdf_begin(struct rad_hdf *h);
+
+/**
+ * Save the file to path (see rad_save) and release it; to be called once after rad_hdf_begin, also
+ * after an error. All groups must be closed.
+ *
+ * @return RAD_OK or RAD_ESYSTEM: the first error since rad_hdf_begin
+ */
+enum rad_code rad_hdf_end(struct rad_hdf *h, const char *path, struct rad_error *e);
+
+/* For errors met between the calls (out of memory); kept like those of HDF5. */
+void rad_hdf_fail(struct rad_hdf *h, const char *fmt, ...) __attribute__((format(printf, 2, 3)));
+
+/* A new group, which remembers the order of its members. Negative after an error. */
+hid_t rad_hdf_group(struct rad_hdf *h, hid_t parent, const char *name);
+void rad_hdf_group_close(struct rad_hdf *h, hid_t group);
+void rad_hdf_link(struct rad_hdf *h, const char *target,
+                  const char *name); /* soft, from the root */
+
+enum rad_hdf_type { RAD_HDF_REAL, RAD_HDF_INT64, RAD_HDF_INT32, RAD_HDF_UINT8 };
+
+struct rad_hdf_array {
+  const char *name;
+  const char *unit;        /* "1" when it has none */
+  const char *description; /* one line */
+  enum rad_hdf_type type;  /* of data and, little-endian, of the file */
+  int rank;                /* 1 .. RAD_HDF_MAX_RANK */
+  hsize_t shape[RAD_HDF_MAX_RANK];
+  const void *data; /* row-major; NULL: not known, which RAD_HDF_REAL shows as NaN */
+};
+
+/* Arrays above 16 kB are shuffled and deflated. */
+void rad_hdf_array(struct rad_hdf *h, hid_t parent, const struct rad_hdf_array *a);
+
+/* text: [n] UTF-8, of any length */
+void rad_hdf_texts(struct rad_hdf *h, hid_t parent, const char *name, size_t n,
+                   const char *const *text, const char *description);
+
+/* Attributes. Text is UTF-8 of any length, NULL counts as empty; ascii has a fixed length. */
+void rad_hdf_set_text(struct rad_hdf *h, hid_t object, const char *name, const char *text);
+void rad_hdf_set_texts(struct rad_hdf *h, hid_t object, const char *name, size_t n,
+                       const char *const *text);
+void rad_hdf_set_ascii(struct rad_hdf *h, hid_t object, const char *name, const char *text);
+void rad_hdf_set_real(struct rad_hdf *h, hid_t object, const char *name, double value);
+void rad_hdf_set_integer(struct rad_hdf *h, hid_t object, const char *name, int64_t value);
+void rad_hdf_set_integers(struct rad_hdf *h, hid_t object, const char *name, size_t n,
+                          const int64_t *value);
+
+/* Reading: what is asked for by name is a member or attribute of the open object `at`. */
+bool rad_hdf_has(hid_t at, const char *name); /* member */
+char *
+rad_hdf_get_text(hid_t at,
+                 const char *name); /* attribute; owned, or NULL; lists are joined by commas */
+double rad_hdf_get_number(hid_t at, const char *name);         /* attribute; or NAN */
+char **rad_hdf_read_texts(hid_t at, const char *name, int *n); /* dataset; owned [n], or NULL */
+void rad_hdf_texts_free(char **text, int n);                   /* NULL is fine */
+
+/* Dataset as double, row-major, of rank <= RAD_HDF_MAX_RANK; missing dimensions are 1. Owned, or
+ * NULL. */
+double *rad_hdf_read_numbers(hid_t at, const char *name, hsize_t shape[RAD_HDF_MAX_RANK]);
+
+#endif

@@ -1,0 +1,284 @@
+#include "output/result.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/clock.h"
+#include "base/memory.h"
+#include "output/hdf.h"
+#include "output/stamp.h"
+#include "output/vtkhdf.h"
+
+void rad_result_free(struct rad_result *result) {
+  free(result->picture.point);
+  free(result->picture.connectivity);
+  free(result->picture.offset);
+  free(result->picture.type);
+  free(result->picture.triangle);
+  free(result->picture.radiosity);
+  free(result->picture.irradiance);
+  free(result->triangle_radiosity);
+  free(result->triangle_irradiance);
+  free(result->point);
+  free(result->point_triangle);
+  free(result->value);
+  free(result->probe_position);
+  free(result->probe_normal);
+  free(result->probe_radiosity);
+  free(result->probe_irradiance);
+  *result = (struct rad_result){0};
+}
+
+/* mean: [n_surface, n_band], area-weighted over the triangles of each surface; area: [n_surface] */
+static void surface_means(const struct rad_scene *scene, const double *value, const double *area,
+                          double *mean) {
+  const int n_band = scene->n_band;
+  for (int i = 0; i < scene->n_surface * n_band; i++)
+    mean[i] = value ? 0 : NAN;
+  for (int j = 0; value && j < scene->n_triangle; j++) {
+    const struct rad_triangle *const t = &scene->triangle[j];
+    for (int k = 0; k < n_band; k++)
+      mean[t->surface * n_band + k] += t->area / area[t->surface] * value[j * n_band + k];
+  }
+}
+
+static void write_surfaces(struct rad_hdf *h, hid_t root, const struct rad_result *r) {
+  const struct rad_scene *const scene = r->scene;
+  const hsize_t n = (hsize_t)scene->n_surface, n_band = (hsize_t)scene->n_band;
+  double *const area = rad_calloc(n, sizeof *area);
+  double *const radiosity = rad_alloc(n * n_band, sizeof *radiosity);
+  double *const irradiance = rad_alloc(n * n_band, sizeof *irradiance);
+  if (area && radiosity && irradiance) {
+    for (int j = 0; j < scene->n_triangle; j++)
+      area[scene->triangle[j].surface] += scene->triangle[j].area;
+    surface_means(scene, r->triangle_radiosity, area, radiosity);
+    surface_means(scene, r->triangle_irradiance, area, irradiance);
+    const struct rad_hdf_array column[] = {
+        {"area", "m2", "radiating area; `side: both` counts twice", RAD_HDF_REAL, 1, {n}, area},
+        {"mean_radiosity",
+         "W/m2",
+         "area-weighted mean radiosity u",
+         RAD_HDF_REAL,
+         2,
+         {n, n_band},
+         radiosity},
+        {"mean_irradiance",
+         "W/m2",
+         "area-weighted mean irradiance",
+         RAD_HDF_REAL,
+         2,
+         {n, n_band},
+         irradiance},
+    };
+    const hid_t group = rad_hdf_group(h, root, "surfaces");
+    rad_hdf_texts(h, group, "name", n, (const char *const *)scene->surface_name, "surface name");
+    for (size_t k = 0; k < sizeof column / sizeof *column; k++)
+      rad_hdf_array(h, group, &column[k]);
+    rad_hdf_group_close(h, group);
+  } else {
+    rad_hdf_fail(h, "out of memory for %d surfaces", scene->n_surface);
+  }
+  free(irradiance);
+  free(radiosity);
+  free(area);
+}
+
+/* Columns of /triangles that the scene keeps in another form. */
+struct geometry {
+  double *vertices; /* owned [n, 3, 3] */
+  double *normal;   /* owned [n, 3] */
+  double *emission; /* owned [n, n_band] means */
+  int *surface;     /* owned [n] */
+};
+
+static void geometry_free(struct geometry *g) {
+  free(g->vertices);
+  free(g->normal);
+  free(g->emission);
+  free(g->surface);
+}
+
+static int geometry_make(const struct rad_scene *scene, struct geometry *g) {
+  const size_t n = (size_t)scene->n_triangle, n_band = (size_t)scene->n_band;
+  *g = (struct geometry){.vertices = rad_alloc(9 * n, sizeof(double)),
+                         .normal = rad_alloc(3 * n, sizeof(double)),
+                         .emission = rad_alloc(n * n_band, sizeof(double)),
+                         .surface = rad_alloc(n, sizeof(int))};
+  if (!g->vertices || !g->normal || !g->emission || !g->surface)
+    return 0;
+  for (size_t j = 0; j < n; j++) {
+    const struct rad_triangle *const t = &scene->triangle[j];
+    for (size_t k = 0; k < 9; k++)
+      g->vertices[9 * j + k] = t->v[k / 3][k % 3];
+    for (size_t k = 0; k < 3; k++)
+      g->normal[3 * j + k] = t->normal[k];
+    for (size_t k = 0; k < n_band; k++) {
+      const double *const E = scene->emission + 3 * j * n_band + k;
+      g->emission[j * n_band + k] = E[0] + (E[n_band] - E[0] + E[2 * n_band] - E[0]) / 3;
+    }
+    g->surface[j] = t->surface;
+  }
+  return 1;
+}
+
+static void write_triangles(struct rad_hdf *h, hid_t root, const struct rad_result *r) {
+  const struct rad_scene *const scene = r->scene;
+  const hsize_t n = (hsize_t)scene->n_triangle, n_band = (hsize_t)scene->n_band;
+  struct geometry g;
+  if (!geometry_make(scene, &g)) {
+    rad_hdf_fail(h, "out of memory for %d triangles", scene->n_triangle);
+    geometry_free(&g);
+    return;
+  }
+  const struct rad_hdf_array column[] = {
+      {"vertices", "m", "vertices", RAD_HDF_REAL, 3, {n, 3, 3}, g.vertices},
+      {"normal", "1", "unit normal of the radiating side", RAD_HDF_REAL, 2, {n, 3}, g.normal},
+      {"surface", "1", "surface, as a row of /polyrad/surfaces", RAD_HDF_INT32, 1, {n}, g.surface},
+      {"rho", "1", "reflectivity", RAD_HDF_REAL, 2, {n, n_band}, scene->rho},
+      {"emission", "W/m2", "mean emitted radiosity E", RAD_HDF_REAL, 2, {n, n_band}, g.emission},
+      {"mean_radiosity",
+       "W/m2",
+       "mean radiosity u",
+       RAD_HDF_REAL,
+       2,
+       {n, n_band},
+       r->triangle_radiosity},
+      {"mean_irradiance",
+       "W/m2",
+       "mean irradiance",
+       RAD_HDF_REAL,
+       2,
+       {n, n_band},
+       r->triangle_irradiance},
+  };
+  const hid_t group = rad_hdf_group(h, root, "triangles");
+  for (size_t k = 0; k < sizeof column / sizeof *column; k++)
+    rad_hdf_array(h, group, &column[k]);
+  rad_hdf_group_close(h, group);
+  geometry_free(&g);
+}
+
+static void write_solution(struct rad_hdf *h, hid_t root, const struct rad_result *r) {
+  const hsize_t n = (hsize_t)r->n_point, n_band = (hsize_t)r->scene->n_band;
+  const struct rad_hdf_array column[] = {
+      {"point", "m", "collocation points", RAD_HDF_REAL, 2, {n, 3}, r->point},
+      {"triangle",
+       "1",
+       "triangle of the point, as a row of /polyrad/triangles",
+       RAD_HDF_INT32,
+       1,
+       {n},
+       r->point_triangle},
+      {"value",
+       "W/m2",
+       "radiosity u_h at the collocation points",
+       RAD_HDF_REAL,
+       2,
+       {n, n_band},
+       r->value},
+  };
+  const hid_t group = rad_hdf_group(h, root, "solution");
+  for (size_t k = 0; k < sizeof column / sizeof *column; k++)
+    rad_hdf_array(h, group, &column[k]);
+  rad_hdf_group_close(h, group);
+}
+
+static void write_probes(struct rad_hdf *h, hid_t root, const struct rad_result *r) {
+  const hsize_t n = (hsize_t)r->deck->n_probe, n_band = (hsize_t)r->scene->n_band;
+  const char **const name = rad_alloc(n, sizeof *name);
+  if (!name) {
+    rad_hdf_fail(h, "out of memory for %d probes", r->deck->n_probe);
+    return;
+  }
+  for (hsize_t i = 0; i < n; i++)
+    name[i] = r->deck->probe[i].name;
+  const struct rad_hdf_array column[] = {
+      {"position", "m", "position", RAD_HDF_REAL, 2, {n, 3}, r->probe_position},
+      {"normal", "1", "unit normal", RAD_HDF_REAL, 2, {n, 3}, r->probe_normal},
+      {"radiosity",
+       "W/m2",
+       "radiosity u* at the probe",
+       RAD_HDF_REAL,
+       2,
+       {n, n_band},
+       r->probe_radiosity},
+      {"irradiance",
+       "W/m2",
+       "irradiance at the probe",
+       RAD_HDF_REAL,
+       2,
+       {n, n_band},
+       r->probe_irradiance},
+  };
+  const hid_t group = rad_hdf_group(h, root, "probes");
+  rad_hdf_texts(h, group, "name", n, name, "probe name");
+  for (size_t k = 0; k < sizeof column / sizeof *column; k++)
+    rad_hdf_array(h, group, &column[k]);
+  rad_hdf_group_close(h, group);
+  free(name);
+}
+
+static void set_integers(struct rad_hdf *h, hid_t group, const struct rad_diagnostics *d) {
+  const struct {
+    const char *name;
+    int64_t value;
+  } list[] = {
+      {"unknowns", d->unknowns},           {"elements", d->elements},
+      {"iterations", d->iterations},       {"converged", d->converged != 0},
+      {"kernel_values", d->kernel_values}, {"pairs_near", d->pairs_near},
+      {"pairs_far", d->pairs_far},         {"pairs_skipped", d->pairs_skipped},
+  };
+  for (size_t k = 0; k < sizeof list / sizeof *list; k++)
+    rad_hdf_set_integer(h, group, list[k].name, list[k].value);
+}
+
+static void set_reals(struct rad_hdf *h, hid_t group, const struct rad_diagnostics *d) {
+  const struct {
+    const char *name;
+    double value;
+  } list[] = {
+      {"kappa", d->kappa},
+      {"error_indicator", d->error_indicator},
+      {"error_bound", d->error_bound},
+      {"residual", d->residual},
+      {"condition_estimate", d->condition_estimate},
+      {"matrix_bytes", d->matrix_bytes},
+      {"peak_memory_bytes", d->peak_memory_bytes},
+      {"seconds_scene", d->seconds_scene},
+      {"seconds_mesh", d->seconds_mesh},
+      {"seconds_assemble", d->seconds_assemble},
+      {"seconds_factor", d->seconds_factor},
+      {"seconds_solve", d->seconds_solve},
+      {"seconds_estimate", d->seconds_estimate},
+      {"seconds_output", d->seconds_output},
+      {"seconds_total", d->seconds_total},
+  };
+  for (size_t k = 0; k < sizeof list / sizeof *list; k++)
+    rad_hdf_set_real(h, group, list[k].name, list[k].value);
+}
+
+enum rad_code rad_result_write(const char *path, struct rad_result *result, double started,
+                               struct rad_error *e) {
+  const double begin = rad_seconds();
+  struct rad_hdf h;
+  rad_hdf_begin(&h);
+  rad_vtkhdf_write(&h, result);
+  const hid_t root = rad_stamp(&h, result->deck, result->command, result->threads, started);
+  rad_hdf_set_text(&h, root, "matrix", result->matrix);
+  rad_hdf_set_text(&h, root, "solver", result->solver);
+  write_surfaces(&h, root, result);
+  write_triangles(&h, root, result);
+  write_solution(&h, root, result);
+  write_probes(&h, root, result);
+
+  struct rad_diagnostics *const d = &result->diagnostics;
+  d->seconds_output = rad_seconds() - begin;
+  d->seconds_total =
+      fmax(rad_stamp_now() - started, d->seconds_output); /* clocks may be set back */
+  const hid_t group = rad_hdf_group(&h, root, "diagnostics");
+  set_integers(&h, group, d);
+  set_reals(&h, group, d);
+  rad_hdf_group_close(&h, group);
+  rad_hdf_group_close(&h, root);
+  return rad_hdf_end(&h, path, e);
+}

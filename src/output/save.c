@@ -1,0 +1,122 @@
+#include "output/save.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <libgen.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static const char *remedy(int cause) {
+  switch (cause) {
+  case ENOENT:
+  case ENOTDIR:
+    return "create its folder first, or name another file";
+  case EACCES:
+  case EPERM:
+  case EROFS:
+    return "name a file and folder that you may write to";
+  case ENOSPC:
+  case EDQUOT:
+    return "free some space, or name a file on another disk";
+  case EFBIG:
+    return "raise the limit on file sizes (ulimit -f), or lower output.sampling";
+  case EISDIR:
+    return "name a file, not a folder";
+  default:
+    return "name another file, or look into the disk's state";
+  }
+}
+
+static enum rad_code fail(const char *path, int cause, struct rad_error *e) {
+  return rad_fail(e, RAD_ESYSTEM, "cannot write %.600s: %s; %s", path, strerror(cause),
+                  remedy(cause));
+}
+
+/* The calls below return 0 or an errno: errno itself would not survive the clean-up between. */
+
+static int write_all(int fd, const char *bytes, size_t size) {
+  while (size > 0) {
+    const ssize_t n = write(fd, bytes, size);
+    if (n < 0 && errno != EINTR)
+      return errno;
+    if (n > 0) {
+      bytes += n;
+      size -= (size_t)n;
+    }
+  }
+  return 0;
+}
+
+/* Data, then the disk's word that it has them. Pipes and some devices cannot sync: EINVAL. */
+static int fill(int fd, const void *bytes, size_t size) {
+  int cause = write_all(fd, bytes, size);
+  if (!cause && fsync(fd) != 0 && errno != EINVAL && errno != EROFS)
+    cause = errno;
+  if (close(fd) != 0 && !cause)
+    cause = errno;
+  return cause;
+}
+
+/* A .tmp of this name is left over from a dead process that had our number. */
+static int open_new(const char *name) {
+  const int flags = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC;
+  int fd = open(name, flags, 0666);
+  if (fd < 0 && errno == EEXIST && unlink(name) == 0)
+    fd = open(name, flags, 0666);
+  return fd;
+}
+
+/* The rename is on disk once the folder is. Best effort: the data are safe already. */
+static void sync_folder(const char *path) {
+  char *copy = strdup(path);
+  if (!copy)
+    return;
+  const int fd = open(dirname(copy), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (fd >= 0) {
+    (void)fsync(fd);
+    close(fd);
+  }
+  free(copy);
+}
+
+static int save_and_rename(const char *path, const void *bytes, size_t size) {
+  const size_t room = strlen(path) + 32;
+  char *temporary = malloc(room);
+  if (!temporary)
+    return ENOMEM;
+  snprintf(temporary, room, "%s.%ld.tmp", path, (long)getpid());
+  const int fd = open_new(temporary);
+  int cause = fd < 0 ? errno : fill(fd, bytes, size);
+  if (!cause && rename(temporary, path) != 0)
+    cause = errno;
+  if (cause && fd >= 0)
+    unlink(temporary);
+  if (!cause)
+    sync_folder(path);
+  free(temporary);
+  return cause;
+}
+
+static int save_to_device(const char *path, const void *bytes, size_t size) {
+  const int fd = open(path, O_WRONLY | O_CLOEXEC);
+  return fd < 0 ? errno : fill(fd, bytes, size);
+}
+
+enum rad_code rad_save(const char *path, const void *bytes, size_t size, struct rad_error *e) {
+  struct stat is;
+  int cause = 0;
+  if (stat(path, &is) != 0)
+    cause = save_and_rename(path, bytes, size);
+  else if (S_ISDIR(is.st_mode))
+    cause = EISDIR;
+  else if (!S_ISREG(is.st_mode))
+    cause = save_to_device(path, bytes, size);
+  else if (faccessat(AT_FDCWD, path, W_OK, AT_EACCESS) != 0)
+    cause = errno;
+  else
+    cause = save_and_rename(path, bytes, size);
+  return cause ? fail(path, cause, e) : RAD_OK;
+}

@@ -1,0 +1,24 @@
+/* A block of bytes becomes a file, whole or not at all. */
+#ifndef RAD_OUTPUT_SAVE_H
+#define RAD_OUTPUT_SAVE_H
+
+#include <stddef.h>
+
+#include "base/error.h"
+
+/**
+ * Write bytes to path.
+ *
+ * They go to PATH.<pid>.tmp in the same folder, are synced, then renamed. After an error the .tmp
+ * is removed and a file that had the name before is as it was. A device or pipe (/dev/null, a FIFO)
+ * is written straight away, because renaming would replace it. An existing file without write
+ * permission is refused. A symbolic link is replaced, its target is not touched.
+ *
+ * A file-size limit (ulimit -f) ends the process by SIGXFSZ unless the application ignores that
+ * signal; it then becomes an error like any other.
+ *
+ * @return RAD_OK, or RAD_ESYSTEM with a sentence that names path, cause and remedy
+ */
+enum rad_code rad_save(const char *path, const void *bytes, size_t size, struct rad_error *e);
+
+#endif

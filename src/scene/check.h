@@ -1,0 +1,65 @@
+/* What is wrong, or merely doubtful, with a scene: called by rad_scene_build, in this order. */
+#ifndef RAD_SCENE_CHECK_H
+#define RAD_SCENE_CHECK_H
+
+#include "scene/scene.h"
+
+/* A scene and what its messages need. `side: both` gives two triangles with one deck number. */
+struct rad_checked {
+  const struct rad_scene *scene;
+  const char *path;  /* of the deck */
+  const int *number; /* [n_triangle] 1-based, in deck order; twins are neighbours */
+};
+
+enum { RAD_MAX_CONTACT_NOTES = 20 };
+
+/**
+ * Refuse triangle t: "PATH:LINE: error: triangle 3 (floor): " and the formatted rest.
+ *
+ * @param[in] t  number in the scene, from 0
+ * @return RAD_EINPUT
+ */
+enum rad_code rad_check_fail(const struct rad_checked *c, int t, struct rad_error *e,
+                             const char *fmt, ...) __attribute__((format(printf, 4, 5)));
+
+/* Coordinates, rho and emission are finite, and 0 <= rho <= 1. Needs v, line, surface, rho,
+ * emission. */
+enum rad_code rad_check_numbers(const struct rad_checked *c, struct rad_error *e);
+
+/* No triangle has two equal vertices or an area below 1e-14 of its longest edge squared.
+ * Needs vertex and area besides. */
+enum rad_code rad_check_shapes(const struct rad_checked *c, struct rad_error *e);
+
+/* No two triangles have the same vertices and the same normal; with opposite normals they are a
+ * slit, which is allowed. Cost n log n. */
+enum rad_code rad_check_duplicates(const struct rad_checked *c, struct rad_error *e);
+
+/**
+ * Warn of triangles that touch other than in a vertex or a whole edge.
+ *
+ * Sweep and prune along the axis on which the triangles spread most; n log n and about n^1.5 box
+ * tests for a surface of similar triangles. The first RAD_MAX_CONTACT_NOTES pairs in deck order are
+ * named, the rest counted.
+ *
+ * @param[out] notes  warnings are appended
+ * @return RAD_OK, or RAD_ESYSTEM when out of memory
+ */
+enum rad_code rad_check_contacts(const struct rad_checked *c, struct rad_notes *notes,
+                                 struct rad_error *e);
+
+/**
+ * True if triangles a and b come closer than `tolerance` away from the vertices and the edge they
+ * share.
+ *
+ * Shared vertices are those with equal numbers. With none shared: their distance. With one: the
+ * distance of either's opposite edge from the other, because two triangles with a common vertex
+ * that meet anywhere else meet there too. With two: whether one is folded onto the other. With
+ * three: never.
+ *
+ * @param[in] tolerance  [m]; lowered to 1e-3 of the smaller triangle's height, so that small
+ *                       triangles do not touch their neighbours' neighbours
+ */
+int rad_triangles_touch(const struct rad_triangle *a, const struct rad_triangle *b,
+                        double tolerance);
+
+#endif

@@ -1,0 +1,48 @@
+/* The scene: triangles with topology, surfaces and optical properties, checked and ready for meshing. */
+#ifndef RAD_SCENE_SCENE_H
+#define RAD_SCENE_SCENE_H
+
+#include "base/error.h"
+#include "scene/deck.h"
+
+struct rad_triangle {
+  double v[3][3];   /* vertices [m], in deck order; equal vertices of the scene are bitwise equal */
+  double normal[3]; /* unit normal of the radiating side */
+  double area;      /* [m2] */
+  int vertex[3];    /* scene vertex numbers: two triangles touch in a vertex iff a number is equal */
+  int surface;      /* number of its surface */
+  int n_grading, n_elements; /* as in the deck; 0 when not given */
+  double grading[6];
+  int elements[6];
+  int line; /* in the deck, 0 if none */
+};
+
+struct rad_scene {
+  int n_triangle, n_vertex, n_surface, n_band;
+  struct rad_triangle *triangle; /* owned [n_triangle] */
+  double (*vertex)[3];           /* owned [n_vertex] */
+  char **surface_name;           /* owned [n_surface] */
+  char *band[RAD_MAX_BAND];      /* owned [n_band] */
+  double *rho;                   /* owned [n_triangle, n_band] reflectivity */
+  double *emission;              /* owned [n_triangle, 3, n_band] E at the vertices [W/m2] */
+  double size;                   /* diameter of the bounding box [m] */
+};
+
+/**
+ * Build the scene of a deck and check it.
+ *
+ * Vertices closer than 1e-10 of the scene's size are one vertex. `side: both` makes two triangles,
+ * back to back. Refused: a degenerate triangle, two triangles with the same vertices and the same
+ * normal, numbers that are not finite, a normal that is not perpendicular (1e-6), a triangle
+ * without rho or emission. Warned: triangles that touch other than in a vertex or a whole edge.
+ *
+ * @param[out] scene  to be freed with rad_scene_free, also after an error
+ * @param[out] notes  warnings are appended
+ * @return RAD_OK or RAD_EINPUT; messages start with the deck's path and line
+ */
+enum rad_code rad_scene_build(const struct rad_deck *deck, struct rad_scene *scene,
+                              struct rad_notes *notes, struct rad_error *e);
+
+void rad_scene_free(struct rad_scene *scene); /* safe twice */
+
+#endif

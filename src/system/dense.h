@@ -1,0 +1,48 @@
+/* The dense matrix K of all pairs of collocation points and trial functions. */
+#ifndef RAD_SYSTEM_DENSE_H
+#define RAD_SYSTEM_DENSE_H
+
+#include <stdint.h>
+
+#include "integrate/element.h"
+
+/**
+ * K[i + n j] = int G(x_i, y) L_j(y) dS, geometry only: the system is (I - diag(rho) K) u = E, so one
+ * matrix serves every band (theory 5.1). Blocks of triangles that do not see each other are zero
+ * pages that nobody touches.
+ */
+struct rad_dense {
+  const struct rad_mesh *mesh; /* borrowed */
+  int n;
+  double *k;                   /* owned [n, n] column-major [-] */
+  unsigned char *sees;         /* owned [n_triangle, n_triangle] 1 if the block may be nonzero */
+  struct rad_counters counters;
+  int64_t pairs_skipped;       /* pairs of a point and an element that see nothing of each other */
+};
+
+/**
+ * Assemble in parallel. A task is a batch of points of one triangle against one patch; every entry
+ * has one writer, so the result is bit-identical for any number of threads.
+ *
+ * @param[out] dense  to be freed with rad_dense_free, also after an error
+ */
+enum rad_code rad_dense_assemble(const struct rad_mesh *mesh, const struct rad_rules *rules,
+                                 struct rad_dense *dense, struct rad_error *e);
+void rad_dense_free(struct rad_dense *dense); /* safe twice */
+
+enum { RAD_MAX_PRODUCT = 8 };
+
+/**
+ * y_v = K u_v for several vectors in one pass over the matrix, in parallel over rows.
+ *
+ * @param[in]  n_vector  1..RAD_MAX_PRODUCT
+ * @param[in]  u         [n_vector] of [n]; y: likewise, no aliases
+ * Bit-identical for any number of threads and for any company of other vectors.
+ */
+void rad_dense_apply(const struct rad_dense *dense, int n_vector, const double *const *u,
+                     double *const *y);
+
+/* Which triangles see each other: [n_triangle, n_triangle], owned by the caller, or NULL. */
+unsigned char *rad_sees(const struct rad_scene *scene);
+
+#endif

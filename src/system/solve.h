@@ -1,0 +1,69 @@
+/* Solving (I - diag(rho) K) u = E: LU, GMRES or a partial Neumann series. */
+#ifndef RAD_SYSTEM_SOLVE_H
+#define RAD_SYSTEM_SOLVE_H
+
+#include "system/dense.h"
+
+struct rad_solve_options {
+  enum rad_solver solver;
+  double tolerance; /* max-norm residual over max |E| (gmres) */
+  int bounces;      /* neumann */
+};
+
+/* What a solve says of itself; worst over the bands. */
+struct rad_solve_report {
+  enum rad_solver solver;    /* used */
+  int iterations;            /* GMRES steps or bounces; 0 for LU */
+  int converged;
+  double kappa;              /* max rho K1 over the collocation points */
+  double inverse_norm;       /* max norm of (I - diag(rho) K)^{-1} = max w, w of (5.2); NAN: Neumann */
+  double residual;           /* max |E - u + rho K u| [W/m2] */
+  double condition_estimate; /* max norm, dgecon; NAN without LU */
+  double remainder;          /* Neumann: bound of the bounces left out [W/m2]; 0 otherwise */
+  double seconds_factor, seconds_solve;
+};
+
+enum { RAD_LU_UNKNOWNS = 2000 }; /* auto: LU up to here, GMRES beyond */
+
+/* The solver that `auto` stands for. */
+enum rad_solver rad_solver_pick(enum rad_solver asked, int n);
+
+/* Bytes that a run holds at once: the matrix, and LU's copy of it or GMRES's vectors. */
+double rad_solver_bytes(enum rad_solver used, int n, int n_band);
+
+/**
+ * Solve for all bands.
+ *
+ * @param[in]  rho  [n_band, n] reflectivity at the points; emission [n_band, n] E [W/m2]
+ * @param[out] u    [n_band, n] [W/m2]; on RAD_ENUMERIC with report->converged == 0 the best so far
+ * @param[out] h    [n_band, n] irradiance K u at the points [W/m2]
+ * @return RAD_ENUMERIC for a closed scene with rho = 1, a singular matrix, or no convergence
+ */
+enum rad_code rad_solve(const struct rad_dense *dense, const struct rad_solve_options *options,
+                        int n_band, const double *rho, const double *emission, double *u, double *h,
+                        struct rad_solve_report *report, struct rad_error *e);
+
+/* One system of the solvers behind rad_solve: (I - diag(rho) K) u = emission. */
+struct rad_linear {
+  const double *rho, *emission; /* [n] */
+  double *u;                    /* out [n] */
+  int steps;                    /* out: GMRES steps */
+};
+
+/* One matrix, two right-hand sides: u for the emission, w [n] for 1. */
+enum rad_code rad_lu(const struct rad_dense *dense, const struct rad_linear *system, double *w,
+                     struct rad_solve_report *report, struct rad_error *e);
+
+/**
+ * Restarted GMRES for several systems, whose products with K are taken in one pass.
+ *
+ * Each ends when its true residual, recomputed from K, is below tolerance times max |emission|.
+ */
+enum rad_code rad_gmres(const struct rad_dense *dense, double tolerance, int n_system,
+                        struct rad_linear *system, struct rad_error *e);
+
+/* r = E - u + rho K u, its largest entry; h = K u. All [n]. */
+double rad_residual(const struct rad_dense *dense, const double *rho, const double *emission,
+                    const double *u, double *h, double *r);
+
+#endif

@@ -1,0 +1,218 @@
+/* The integrator against the quadruple-precision oracle, near and far, cut and whole. */
+#include <check.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/vec.h"
+#include "integrate/element.h"
+#include "oracle.h"
+
+/* Two triangles with whole-number corners: all differences, halves and thirds are exact. */
+struct pair {
+  const char *name;
+  double target[3][3], source[3][3]; /* equal corners are shared vertices */
+};
+
+static const struct pair pairs[] = {
+    {"right angle", {{0, 0, 0}, {6, 0, 0}, {0, 6, 0}}, {{0, 0, 0}, {0, 6, 0}, {0, 0, 6}}},
+    {"edge, far corner first", {{6, 0, 0}, {0, 12, 0}, {0, 0, 0}}, {{0, 0, 6}, {0, 0, 0}, {6, 0, 0}}},
+    {"sharp edge", {{0, 0, 0}, {12, 0, 0}, {0, 12, 0}}, {{0, 0, 0}, {12, 0, 0}, {6, 12, 2}}},
+    {"flat edge", {{0, 0, 0}, {12, 0, 0}, {0, 12, 0}}, {{0, 0, 0}, {12, 0, 0}, {6, -12, 2}}},
+    {"vertex", {{0, 0, 0}, {6, 0, 0}, {6, 6, 0}}, {{0, 0, 0}, {-6, 6, 6}, {-6, 0, 6}}},
+    {"apart", {{0, 0, 0}, {6, 0, 0}, {0, 6, 0}}, {{0, 0, 6}, {0, 6, 12}, {6, 0, 6}}},
+    {"close plates", {{0, 0, 0}, {6, 0, 0}, {0, 6, 0}}, {{0, 0, 0.0009765625}, {6, 0, 0.0009765625}, {0, 6, 0.0009765625}}},
+    {"across the horizon", {{0, 0, 0}, {6, 0, 0}, {0, 6, 0}}, {{-6, 0, -6}, {-6, 6, -6}, {-6, 0, 12}}},
+    {"needle", {{0, 0, 0}, {60, 0, 0}, {60, 6, 0}}, {{0, 0, 0}, {60, 0, 0}, {54, 0, 6}}},
+};
+enum { N_PAIR = sizeof pairs / sizeof *pairs };
+
+static int same(const double a[3], const double b[3]) {
+  return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+
+/* Each triangle's normal points to the other's side. */
+static void set_normal(struct rad_triangle *t, const struct rad_triangle *other) {
+  double f1[3], f2[3], n[3], towards[3], side = 0;
+  rad_sub(t->v[1], t->v[0], f1);
+  rad_sub(t->v[2], t->v[0], f2);
+  rad_cross(f1, f2, n);
+  t->area = 0.5 * rad_norm(n);
+  for (int c = 0; c < 3; c++) {
+    rad_sub(other->v[c], t->v[0], towards);
+    double s = rad_dot(n, towards);
+    side = fabs(s) > fabs(side) ? s : side;
+  }
+  for (int d = 0; d < 3; d++)
+    t->normal[d] = n[d] / rad_norm(n) * (side < 0 ? -1 : 1);
+}
+
+static void set_scene(const struct pair *p, struct rad_triangle tri[2], struct rad_scene *scene) {
+  memset(tri, 0, 2 * sizeof *tri);
+  memcpy(tri[0].v, p->target, sizeof p->target);
+  memcpy(tri[1].v, p->source, sizeof p->source);
+  for (int c = 0; c < 3; c++) {
+    tri[0].vertex[c] = c;
+    tri[1].vertex[c] = 3 + c;
+    for (int o = 0; o < 3; o++)
+      if (same(tri[1].v[c], tri[0].v[o]))
+        tri[1].vertex[c] = o;
+  }
+  set_normal(&tri[0], &tri[1]);
+  set_normal(&tri[1], &tri[0]);
+  *scene = (struct rad_scene){.n_triangle = 2, .n_vertex = 6, .n_band = 1, .triangle = tri};
+}
+
+static struct oracle_point to_point(const struct rad_triangle *t, int base, const double mu[2]) {
+  struct oracle_point x = {.mu1 = mu[0], .mu2 = mu[1]};
+  for (int d = 0; d < 3; d++) {
+    x.vertex[d] = t->v[base][d];
+    x.edge1[d] = t->v[(base + 1) % 3][d] - t->v[base][d];
+    x.edge2[d] = t->v[(base + 2) % 3][d] - t->v[base][d];
+    x.normal[d] = t->normal[d];
+  }
+  return x;
+}
+
+/* The oracle's element, formed from the triangle's corners and not from the mesh's patch. */
+static struct oracle_element to_element(const struct rad_triangle *t, const struct rad_element *e,
+                                        int sub, int polar) {
+  struct oracle_element o = {.polar = polar, .p_phi = e->p_phi, .p_r = e->p_r, .k_phi = e->k_phi, .k_r = e->k_r};
+  int edge = sub / 2, from = sub % 2 ? (edge + 1) % 3 : edge, to = sub % 2 ? edge : (edge + 1) % 3;
+  for (int d = 0; d < 3; d++) {
+    double v = t->v[from][d], w = t->v[to][d];
+    o.v[d] = v;
+    o.a[d] = (w - v) / 2;
+    o.b[d] = (2 * (t->v[0][d] + t->v[1][d] + t->v[2][d]) - 3 * (v + w)) / 6;
+    o.normal[d] = t->normal[d];
+  }
+  memcpy(o.sigma, e->sigma, sizeof o.sigma);
+  memcpy(o.tau, e->tau, sizeof o.tau);
+  return o;
+}
+
+/* Largest error of any integral of one point, over the row sum of the source triangle. */
+static double point_error(const struct rad_mesh *mesh, double tolerance, int base, const double mu[2]) {
+  const struct rad_scene *scene = mesh->scene;
+  struct rad_error err;
+  struct rad_rules rules;
+  struct rad_scratch scratch;
+  ck_assert_int_eq(rad_rules_build(mesh, tolerance, &rules, &err), RAD_OK);
+  ck_assert_int_eq(rad_scratch_init(mesh, &scratch, &err), RAD_OK);
+  double *row = calloc((size_t)mesh->n_point, sizeof *row);
+  struct rad_targets targets = {0, 1, &base, (const double(*)[2])mu};
+  struct oracle_point x = to_point(&scene->triangle[0], base, mu);
+  double worst = 0, sum = (double)oracle_lambert(&x, 3, (const double(*)[3])scene->triangle[1].v,
+                                                 scene->triangle[1].normal);
+  for (int p = mesh->patch_first[1]; p < mesh->patch_first[2]; p++) {
+    rad_patch_block(mesh, &rules, &targets, p, row, 1, &scratch);
+    for (int i = mesh->element_first[p]; i < mesh->element_first[p + 1]; i++) {
+      const struct rad_element *e = &mesh->element[i];
+      struct oracle_element o = to_element(&scene->triangle[1], e, p - mesh->patch_first[1],
+                                           mesh->patch[p].angle == RAD_ANGLE_POLAR);
+      long double exact[16 * 16];
+      ck_assert_int_ge(oracle_integrate(&x, &o, exact), 0);
+      for (int b = 0; b < e->n_function; b++)
+        worst = fmax(worst, fabs((double)(row[e->first + b] - exact[b])));
+    }
+  }
+  free(row);
+  rad_scratch_free(&scratch);
+  rad_rules_free(&rules);
+  return worst / sum;
+}
+
+struct method {
+  enum rad_mesh_kind mesh;
+  int elements;
+  double grading;
+  int degree;
+  enum rad_angle angle;
+};
+
+static const struct method methods[] = {
+    {RAD_MESH_PAPER, 1, 1, 0, RAD_ANGLE_POLAR},  {RAD_MESH_PAPER, 2, 2, 1, RAD_ANGLE_POLAR},
+    {RAD_MESH_PAPER, 2, 1.5, 3, RAD_ANGLE_DUFFY}, {RAD_MESH_GRADED, 1, 2, 5, RAD_ANGLE_POLAR},
+    {RAD_MESH_GRADED, 1, 3, 9, RAD_ANGLE_POLAR}, {RAD_MESH_GRADED, 2, 4, 7, RAD_ANGLE_DUFFY},
+    {RAD_MESH_GRADED, 1, 5, 11, RAD_ANGLE_POLAR},
+};
+enum { N_METHOD = sizeof methods / sizeof *methods };
+
+static void build(const struct pair *p, const struct method *m, struct rad_triangle tri[2],
+                  struct rad_scene *scene, struct rad_mesh *mesh) {
+  struct rad_error e;
+  struct rad_deck_method method = {
+      .mesh = m->mesh, .elements = m->elements, .grading = m->grading, .degree = m->degree, .angle = m->angle};
+  set_scene(p, tri, scene);
+  ck_assert_int_eq(rad_mesh_build(scene, &method, mesh, &e), RAD_OK);
+}
+
+/* Points of interest: inside, and at a distance from the first edge or from a vertex. */
+static void place(int kind, double distance, int *base, double mu[2]) {
+  static const double inside[2][2] = {{0.3, 0.2}, {0.11, 0.83}};
+  *base = kind % 3;
+  if (kind < 2)
+    memcpy(mu, inside[kind], sizeof inside[kind]);
+  else if (kind == 2 || kind == 3) { /* near an edge */
+    mu[0] = kind == 2 ? 0.37 : distance;
+    mu[1] = kind == 2 ? distance : 0.24;
+  } else { /* near a vertex */
+    mu[0] = 0.6 * distance;
+    mu[1] = 0.3 * distance;
+  }
+}
+enum { N_PLACE = 7 };
+
+static void hold(int i_pair, int i_method, int kind, double distance, double tolerance, double limit) {
+  struct rad_triangle tri[2];
+  struct rad_scene scene;
+  struct rad_mesh mesh;
+  int base;
+  double mu[2];
+  build(&pairs[i_pair], &methods[i_method], tri, &scene, &mesh);
+  place(kind, distance, &base, mu);
+  double error = point_error(&mesh, tolerance, base, mu);
+  ck_assert_msg(error <= limit, "%s, method %d, place %d, distance %g, tolerance %g: error %g over the row sum, limit %g",
+                pairs[i_pair].name, i_method, kind, distance, tolerance, error, limit);
+  if (getenv("POLYRAD_TEST_VERBOSE"))
+    printf("%-24s method %d place %d distance %-6g tolerance %-6g error %.2e\n", pairs[i_pair].name,
+           i_method, kind, distance, tolerance, error);
+  rad_mesh_free(&mesh);
+}
+
+START_TEST(inside_at_every_tolerance) {
+  static const double tolerance[] = {1e-3, 1e-6, 1e-9, 1e-13};
+  for (int m = 0; m < N_METHOD; m++)
+    for (int k = 0; k < 2; k++)
+      for (int t = 0; t < 4; t++)
+        hold(_i, m, k, 1, tolerance[t], 2 * tolerance[t]);
+}
+END_TEST
+
+START_TEST(near_edges_and_vertices) {
+  static const double distance[] = {1e-2, 1e-4, 1e-6, 1e-8, 1e-10};
+  for (int m = 0; m < N_METHOD; m++)
+    for (int k = 2; k < N_PLACE; k++)
+      for (int d = 0; d < 5; d++) {
+        if ((m + k + d + _i) % 4) /* a quarter of all combinations each */
+          continue;
+        hold(_i, m, k, distance[d], 1e-13, 2e-13);
+        hold(_i, m, k, distance[d], 1e-6, 2e-6);
+      }
+}
+END_TEST
+
+int main(void) {
+  Suite *s = suite_create("integrals");
+  TCase *c = tcase_create("oracle");
+  tcase_set_timeout(c, 600);
+  tcase_add_loop_test(c, inside_at_every_tolerance, 0, N_PAIR);
+  tcase_add_loop_test(c, near_edges_and_vertices, 0, N_PAIR);
+  suite_add_tcase(s, c);
+  SRunner *r = srunner_create(s);
+  srunner_run_all(r, CK_NORMAL);
+  int failed = srunner_ntests_failed(r);
+  srunner_free(r);
+  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}

@@ -1,0 +1,122 @@
+"""Reading result files of polyrad (layout: docs/format.md), with errors of one sentence."""
+
+import argparse
+import re
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+
+class Problem(Exception):
+    """What stops a picture, in one sentence; code 2: what was asked for, 3: the file."""
+
+    def __init__(self, message: str, code: int = 3):
+        super().__init__(message)
+        self.code = code
+
+
+def run(main: Callable[[], None]) -> None:
+    """Call main; a Problem becomes its sentence on stderr and its exit code."""
+    try:
+        main()
+    except Problem as problem:
+        print(f"{Path(sys.argv[0]).stem}: {problem}", file=sys.stderr)
+        sys.exit(problem.code)
+
+
+def text(value) -> str:
+    return value.decode(errors="replace") if isinstance(value, bytes) else str(value)
+
+
+def names_in(values: np.ndarray) -> list[str]:
+    """Fixed-length or variable-length strings of a dataset."""
+    return [text(value).rstrip("\0 ") for value in values]
+
+
+def pretty_unit(unit: str) -> str:
+    return re.sub(r"m(\d)", lambda m: "m" + "²³"[int(m[1]) - 2] if m[1] in "23" else m[0], unit)
+
+
+class Result:
+    """An open result file."""
+
+    def __init__(self, path: str):
+        self.path = path
+        if not Path(path).exists():
+            raise Problem(f"there is no file {path}")
+        try:
+            self.file = h5py.File(path, "r")
+        except OSError as error:
+            raise Problem(f"{path} is not a file that HDF5 can read ({error})") from None
+
+    def dataset(self, name: str) -> h5py.Dataset:
+        found = self.file.get(name)
+        if not isinstance(found, h5py.Dataset):
+            raise Problem(f"{self.path} holds no dataset {name}; was it written by polyrad run?")
+        return found
+
+    def array(self, name: str) -> np.ndarray:
+        return self.dataset(name)[()]
+
+    @property
+    def title(self) -> str:
+        """The deck's title, else the file's name."""
+        group = self.file.get("polyrad")
+        deck = text(group.attrs.get("deck", "")) if group is not None else ""
+        found = re.search(r"^title:[ ]*(.*?)[ ]*(?:[ ]#.*)?$", deck, re.MULTILINE)
+        title = found[1].strip("\"'") if found else ""
+        return title or Path(self.path).stem
+
+    def diagnostic(self, name: str):
+        group = self.file.get("polyrad/diagnostics")
+        return None if group is None else group.attrs.get(name)
+
+    def field(self, dataset: str, band: str | None = None) -> tuple[np.ndarray, str, str]:
+        """One band of a dataset [n] or [n, band]: values, unit, name of the band (or "")."""
+        found = self.dataset(dataset)
+        values = np.asarray(found[()], float)
+        unit = pretty_unit(text(found.attrs.get("unit", "W/m2")))
+        if values.ndim == 1 or values.shape[1] == 1:
+            if band not in (None, "0", *self.bands):
+                raise Problem(f"{self.path} has one band only, so no band '{band}'", 2)
+            return values.reshape(len(values)), unit, ""
+        bands = self.bands or [str(i) for i in range(values.shape[1])]
+        chosen = bands[0] if band is None else band
+        if chosen.isdigit() and chosen not in bands and int(chosen) < len(bands):
+            chosen = bands[int(chosen)]
+        if chosen not in bands:
+            raise Problem(f"{self.path} has no band '{chosen}'; it has {', '.join(bands)}", 2)
+        return values[:, bands.index(chosen)], unit, chosen
+
+    @property
+    def bands(self) -> list[str]:
+        """Names of the bands, as the deck lists them: bands: [red, green]."""
+        group = self.file.get("polyrad")
+        deck = text(group.attrs.get("deck", "")) if group is not None else ""
+        found = re.search(r"^bands:[ ]*\[([^\]]*)\]", deck, re.MULTILINE)
+        return [band.strip(" \"'\n") for band in found[1].split(",")] if found else []
+
+
+def parser(description: str, files: str = "FILE") -> argparse.ArgumentParser:
+    """The options that every picture has."""
+    kind = Path(sys.argv[0]).stem.removeprefix("plot_")
+    made = argparse.ArgumentParser(prog=f"tools/plot {kind}", description=description)
+    made.add_argument("file", metavar=files, nargs="+" if files == "FILE..." else None)
+    made.add_argument(
+        "-o", "--output", metavar="PICTURE", help=".png, .svg or .pdf; default FILE.png"
+    )
+    made.add_argument("--title", help="instead of the deck's title")
+    return made
+
+
+def save(figure, wanted: str | None, result: str) -> None:
+    path = Path(wanted) if wanted else Path(result).with_suffix(".png")
+    try:
+        figure.savefig(path, dpi=200, facecolor="white")
+    except ValueError:
+        raise Problem(f"{path}: a picture's name ends in .png, .svg or .pdf", 2) from None
+    except OSError as error:
+        raise Problem(f"{path} cannot be written: {error.strerror}") from None
