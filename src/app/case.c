@@ -57,7 +57,8 @@ static enum rad_code count_skipped(struct rad_case *c, struct rad_error *e) {
     for (int j = 0; j < n; j++)
       if (!sees[(size_t)i * n + j]) {
         int64_t points = m->point_first[i + 1] - m->point_first[i];
-        int64_t elements = m->element_first[m->patch_first[j + 1]] - m->element_first[m->patch_first[j]];
+        int64_t elements =
+            m->element_first[m->patch_first[j + 1]] - m->element_first[m->patch_first[j]];
         c->plan.skipped += points * elements;
       }
   free(sees);
@@ -96,10 +97,11 @@ static enum rad_code refuse_too_large(const struct rad_case *c, struct rad_error
   const char *advice = p->solver == RAD_SOLVER_LU && gmres < p->available
                            ? "use method.solver: gmres, which needs half of it"
                            : "lower method.elements or method.degree, or use a larger machine";
-  return rad_fail(e, RAD_ESYSTEM,
-                  "the run needs %.3g GB of memory for %d unknowns, but only %.3g GB are available; "
-                  "%s",
-                  p->bytes / 1e9, c->mesh.n_point, p->available / 1e9, advice);
+  return rad_fail(
+      e, RAD_ESYSTEM,
+      "the run needs %.3g GB of memory for %d unknowns, but only %.3g GB are available; "
+      "%s",
+      p->bytes / 1e9, c->mesh.n_point, p->available / 1e9, advice);
 }
 
 /* rho and E at the collocation points. */

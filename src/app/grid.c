@@ -40,7 +40,8 @@ void rad_grid_evaluate(const struct rad_case *c, double *value) {
     for (int j = 0; j < RAD_GRID; j++)
       for (int i = 0; i < RAD_GRID; i++)
         grid_point(c, &sub, i / (RAD_GRID - 1.0), j / (RAD_GRID - 1.0),
-                   value + (((size_t)s * RAD_GRID + (size_t)j) * RAD_GRID + (size_t)i) * (size_t)nb);
+                   value +
+                       (((size_t)s * RAD_GRID + (size_t)j) * RAD_GRID + (size_t)i) * (size_t)nb);
   }
 }
 

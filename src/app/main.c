@@ -76,16 +76,18 @@ static enum rad_code parse_word(int argc, char **argv, int *i, struct rad_comman
   } else if (is_option(word, "--set")) {
     const char *value = value_of(argc, argv, i, 5);
     if (!value || c->n_set == RAD_MAX_SET)
-      return rad_fail(e, RAD_EINPUT, value ? "error: more than 256 --set options"
-                                           : "error: --set needs KEY=VALUE, for example "
-                                             "--set method.elements=8");
+      return rad_fail(e, RAD_EINPUT,
+                      value ? "error: more than 256 --set options"
+                            : "error: --set needs KEY=VALUE, for example "
+                              "--set method.elements=8");
     c->set[c->n_set++] = value;
   } else if (is_option(word, "--threads")) {
     return parse_threads(value_of(argc, argv, i, 9), &c->threads, e);
   } else if (word[0] == '-' && word[1]) {
     return rad_fail(e, RAD_EINPUT, "error: unknown option '%s'; polyrad --help lists them", word);
   } else if (c->deck) {
-    return rad_fail(e, RAD_EINPUT, "error: one file at a time, but got '%s' and '%s'", c->deck, word);
+    return rad_fail(e, RAD_EINPUT, "error: one file at a time, but got '%s' and '%s'", c->deck,
+                    word);
   } else {
     c->deck = word;
   }

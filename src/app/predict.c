@@ -11,9 +11,11 @@
 enum { SAMPLE_POINTS = 32, SAMPLE_BLOCKS = 6, SAMPLE_LU = 800 };
 
 /* Seconds that one thread needs for a pair of a point and an element, between triangles i and j. */
-static double sample_block(struct rad_case *c, int i, int j, struct rad_scratch *scratch, double *row) {
+static double sample_block(struct rad_case *c, int i, int j, struct rad_scratch *scratch,
+                           double *row) {
   const struct rad_mesh *m = &c->mesh;
-  int n_i = m->point_first[i + 1] - m->point_first[i], n = n_i < SAMPLE_POINTS ? n_i : SAMPLE_POINTS;
+  int n_i = m->point_first[i + 1] - m->point_first[i],
+      n = n_i < SAMPLE_POINTS ? n_i : SAMPLE_POINTS;
   int base[SAMPLE_POINTS];
   double mu[SAMPLE_POINTS][2];
   for (int q = 0; q < n; q++) {
@@ -31,8 +33,8 @@ static double sample_block(struct rad_case *c, int i, int j, struct rad_scratch 
 }
 
 /* Mean over a few blocks spread over the scene. */
-static double sample_pairs(struct rad_case *c, const unsigned char *sees, struct rad_scratch *scratch,
-                           double *row) {
+static double sample_pairs(struct rad_case *c, const unsigned char *sees,
+                           struct rad_scratch *scratch, double *row) {
   int n = c->scene.n_triangle, taken = 0;
   int64_t facing = 0, seen = 0;
   for (int64_t at = 0; at < (int64_t)n * n; at++)
@@ -75,7 +77,8 @@ enum rad_code rad_case_predict(struct rad_case *c, struct rad_error *e) {
   if (!code && (!row || !sees))
     code = rad_fail_memory(e, "the prediction", 8.0 * SAMPLE_POINTS * c->mesh.n_point);
   if (!code) {
-    int threads = omp_get_max_threads() < omp_get_num_procs() ? omp_get_max_threads() : omp_get_num_procs();
+    int threads =
+        omp_get_max_threads() < omp_get_num_procs() ? omp_get_max_threads() : omp_get_num_procs();
     double pair = sample_pairs(c, sees, &scratch, row);
     c->plan.seconds = pair * (double)(c->plan.pairs - c->plan.skipped) / threads;
     double products = c->plan.solver == RAD_SOLVER_NEUMANN ? c->deck.method.bounces : 40;

@@ -59,14 +59,15 @@ static enum rad_code locate(const struct rad_case *c, const struct rad_deck_prob
                     "%s:%d: error: probe %s names the surface '%s', which does not exist; correct "
                     "the name or leave it out",
                     c->deck.path, probe->line, probe->name, where);
-  return rad_fail(e, RAD_EINPUT,
-                  "%s:%d: error: probe %s at (%g, %g, %g) does not lie on %s; move it onto a triangle",
-                  c->deck.path, probe->line, probe->name, probe->at[0], probe->at[1], probe->at[2],
-                  where);
+  return rad_fail(
+      e, RAD_EINPUT,
+      "%s:%d: error: probe %s at (%g, %g, %g) does not lie on %s; move it onto a triangle",
+      c->deck.path, probe->line, probe->name, probe->at[0], probe->at[1], probe->at[2], where);
 }
 
 /* Places of all probes; checked before anything is solved. */
-static enum rad_code locate_all(const struct rad_case *c, struct place *place, struct rad_error *e) {
+static enum rad_code locate_all(const struct rad_case *c, struct place *place,
+                                struct rad_error *e) {
   enum rad_code code = RAD_OK;
   for (int i = 0; i < c->deck.n_probe && !code; i++)
     code = locate(c, &c->deck.probe[i], &place[i], e);

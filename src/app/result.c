@@ -57,7 +57,8 @@ static void picture_element(const struct rad_case *c, int element, int s, struct
     }
 }
 
-enum rad_code rad_case_picture(const struct rad_case *c, struct rad_picture *p, struct rad_error *e) {
+enum rad_code rad_case_picture(const struct rad_case *c, struct rad_picture *p,
+                               struct rad_error *e) {
   size_t s = (size_t)c->deck.output.sampling, n = (size_t)c->mesh.n_element;
   size_t points = n * (s + 1) * (s + 1), cells = n * s * s, nb = (size_t)c->scene.n_band;
   *p = (struct rad_picture){.n_point = (int64_t)points,
@@ -70,7 +71,8 @@ enum rad_code rad_case_picture(const struct rad_case *c, struct rad_picture *p, 
                             .irradiance = rad_alloc(points * nb, sizeof(double))};
   if (!p->point || !p->connectivity || !p->offset || !p->type || !p->triangle || !p->radiosity ||
       !p->irradiance)
-    return rad_fail_memory(e, "the picture (output.sampling)", (double)points * (24 + 16.0 * (double)nb));
+    return rad_fail_memory(e, "the picture (output.sampling)",
+                           (double)points * (24 + 16.0 * (double)nb));
   for (int i = 0; i < c->mesh.n_element; i++)
     picture_element(c, i, (int)s, p);
   return RAD_OK;
@@ -120,7 +122,8 @@ enum rad_code rad_case_means(const struct rad_case *c, double *radiosity, double
   return RAD_OK;
 }
 
-static enum rad_code set_points(const struct rad_case *c, struct rad_result *r, struct rad_error *e) {
+static enum rad_code set_points(const struct rad_case *c, struct rad_result *r,
+                                struct rad_error *e) {
   size_t n = (size_t)c->mesh.n_point, nb = (size_t)c->scene.n_band;
   r->n_point = c->mesh.n_point;
   r->point = rad_alloc(n, 3 * sizeof(double));

@@ -23,7 +23,8 @@ static void print_head(const struct rad_case *c, FILE *out) {
   fprintf(out, "  scene    %d triangles, %d surfaces, %d band%s\n", c->scene.n_triangle,
           c->scene.n_surface, c->scene.n_band, c->scene.n_band > 1 ? "s" : "");
   fprintf(out, "  mesh     %s, N = %d, p = %g, degree %d: %d elements, %d unknowns\n",
-          mesh_name[m->mesh], m->elements, m->grading, m->degree, c->mesh.n_element, c->mesh.n_point);
+          mesh_name[m->mesh], m->elements, m->grading, m->degree, c->mesh.n_element,
+          c->mesh.n_point);
 }
 
 static void print_means(const struct rad_case *c, const struct rad_result *r, FILE *out) {
@@ -79,14 +80,15 @@ static void print_solution(const struct rad_case *c, const struct rad_result *r,
   fprintf(out, "\n");
   print_means(c, r, out);
   print_probes(c, r, out);
-  fprintf(out, "  time     %.3f s: assemble %.3f, factor %.3f, solve %.3f, output %.3f; %d threads\n",
+  fprintf(out,
+          "  time     %.3f s: assemble %.3f, factor %.3f, solve %.3f, output %.3f; %d threads\n",
           d->seconds_total, d->seconds_assemble, d->seconds_factor, d->seconds_solve,
           d->seconds_output, r->threads);
 }
 
 /* Picture, means and file of a case that has a solution, converged or not. */
-static enum rad_code output(const struct rad_case *c, const struct rad_command *command, double started,
-                            struct rad_error *e) {
+static enum rad_code output(const struct rad_case *c, const struct rad_command *command,
+                            double started, struct rad_error *e) {
   const char *path = command->output ? command->output : c->deck.output.file;
   struct rad_result result = {0};
   enum rad_code code = rad_case_result(c, command->line, &result, e);

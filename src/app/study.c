@@ -13,8 +13,8 @@
 
 /* One row of the table. */
 struct row {
-  double n;       /* value of the last varied key if it is method.elements, else NAN */
-  double *grid;   /* owned: u_h on the comparison grid */
+  double n;     /* value of the last varied key if it is method.elements, else NAN */
+  double *grid; /* owned: u_h on the comparison grid */
   double unknowns, elements, error, ratio, eoc, residual, bytes;
   double seconds_assemble, seconds_factor, seconds_solve, seconds_total;
 };
@@ -117,8 +117,8 @@ static void print_table(const struct study *s, FILE *out) {
   const struct rad_deck_study *d = &s->deck.study;
   for (int v = 0; v < d->n_vary; v++)
     fprintf(out, " %16s", d->vary[v].key);
-  fprintf(out, " %9s %12s %8s %6s %10s %10s %10s\n", "unknowns", "error", "ratio", "EOC", "assemble s",
-          "solve s", "total s");
+  fprintf(out, " %9s %12s %8s %6s %10s %10s %10s\n", "unknowns", "error", "ratio", "EOC",
+          "assemble s", "solve s", "total s");
   for (int i = 0; i < s->n_row; i++) {
     const struct row *r = &s->row[i];
     for (int v = 0; v < d->n_vary; v++)
@@ -127,11 +127,12 @@ static void print_table(const struct study *s, FILE *out) {
     print_number(out, " %12.5e", r->error, 12);
     print_number(out, " %8.4f", r->ratio, 8);
     print_number(out, " %6.3f", r->eoc, 6);
-    fprintf(out, " %10.3f %10.3f %10.3f\n", r->seconds_assemble, r->seconds_factor + r->seconds_solve,
-            r->seconds_total);
+    fprintf(out, " %10.3f %10.3f %10.3f\n", r->seconds_assemble,
+            r->seconds_factor + r->seconds_solve, r->seconds_total);
   }
-  fprintf(out, "error: max |u_h - reference| [W/m2] over the closed 100 x 100 grid of every "
-               "sub-triangle; reference: %s\n",
+  fprintf(out,
+          "error: max |u_h - reference| [W/m2] over the closed 100 x 100 grid of every "
+          "sub-triangle; reference: %s\n",
           d->n_reference ? "the named run" : "the last run");
 }
 
@@ -149,7 +150,8 @@ static const struct {
 } columns[] = {
     {"unknowns", "1", "number of unknowns", offsetof(struct row, unknowns)},
     {"elements", "1", "number of elements", offsetof(struct row, elements)},
-    {"error", "W/m2", "max |u_h - reference| over the comparison grid", offsetof(struct row, error)},
+    {"error", "W/m2", "max |u_h - reference| over the comparison grid",
+     offsetof(struct row, error)},
     {"ratio", "1", "error of the row before over this one", offsetof(struct row, ratio)},
     {"eoc", "1", "estimated order of convergence", offsetof(struct row, eoc)},
     {"residual", "W/m2", "max norm of the residual", offsetof(struct row, residual)},
@@ -170,7 +172,8 @@ static enum rad_code write(const struct study *s, struct rad_error *e) {
   for (int v = 0; v < d->n_vary && !code; v++) {
     for (int i = 0; i < s->n_row; i++)
       text[v * s->n_row + i] = d->vary[v].value[value_index(d, i, v)];
-    column[v] = (struct rad_column){d->vary[v].key, "1", "varied key of the deck", NULL, text + v * s->n_row};
+    column[v] = (struct rad_column){d->vary[v].key, "1", "varied key of the deck", NULL,
+                                    text + v * s->n_row};
   }
   for (int k = 0; k < N_NUMBER && !code; k++) {
     if (!(number[k] = gather(s, columns[k].offset)))
@@ -219,10 +222,11 @@ enum rad_code rad_app_study(const struct rad_command *command, struct rad_error 
   struct study s = {.command = command, .threads = rad_grid_threads()};
   enum rad_code code = rad_deck_read(command->deck, command->n_set, command->set, &s.deck, e);
   if (!code && !s.deck.study.present)
-    code = rad_fail(e, RAD_EINPUT,
-                    "%s: error: the deck has no section `study`; add study: {vary: {method.elements: "
-                    "[1, 2, 4]}} or use polyrad run",
-                    command->deck);
+    code =
+        rad_fail(e, RAD_EINPUT,
+                 "%s: error: the deck has no section `study`; add study: {vary: {method.elements: "
+                 "[1, 2, 4]}} or use polyrad run",
+                 command->deck);
   if (!code)
     code = run_all(&s, e);
   if (!code) {

@@ -1,4 +1,5 @@
-/* Statuses and messages: how every module tells its caller what went wrong, and what was noticed. */
+/* Statuses and messages: how every module tells its caller what went wrong, and what was noticed.
+ */
 #ifndef RAD_BASE_ERROR_H
 #define RAD_BASE_ERROR_H
 

@@ -36,7 +36,8 @@ static double resource_rest(int resource, double used) {
 static double cgroup_rest(void) {
   static const char *const file[][2] = {
       {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory.current"},
-      {"/sys/fs/cgroup/memory/memory.limit_in_bytes", "/sys/fs/cgroup/memory/memory.usage_in_bytes"}};
+      {"/sys/fs/cgroup/memory/memory.limit_in_bytes",
+       "/sys/fs/cgroup/memory/memory.usage_in_bytes"}};
   for (int v = 0; v < 2; v++) {
     double limit = read_key(file[v][0], ""), used = read_key(file[v][1], "");
     if (limit > 0 && limit < 1e18)
@@ -65,7 +66,8 @@ double rad_memory_peak(void) {
 }
 
 void *rad_pages_alloc(size_t bytes) {
-  void *pages = mmap(NULL, bytes ? bytes : 1, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  void *pages =
+      mmap(NULL, bytes ? bytes : 1, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (pages == MAP_FAILED)
     return NULL;
 #ifdef MADV_HUGEPAGE

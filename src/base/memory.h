@@ -10,7 +10,8 @@ double rad_memory_available(void);
 /* Largest resident size so far [bytes]. */
 double rad_memory_peak(void);
 
-/* Zeroed pages from the system, untouched ones cost nothing; huge pages where offered. NULL if none. */
+/* Zeroed pages from the system, untouched ones cost nothing; huge pages where offered. NULL if
+ * none. */
 void *rad_pages_alloc(size_t bytes);
 void rad_pages_free(void *pages, size_t bytes); /* NULL is fine */
 

@@ -1,5 +1,5 @@
-/* exp for `omp simd` loops: branch-free, same bits in vector and scalar code of one instruction set.
- * glibc offers its vector exp under -ffast-math only, which this project does not use. */
+/* exp for `omp simd` loops: branch-free, same bits in vector and scalar code of one instruction
+ * set. glibc offers its vector exp under -ffast-math only, which this project does not use. */
 #ifndef RAD_BASE_SIMD_MATH_H
 #define RAD_BASE_SIMD_MATH_H
 
@@ -15,7 +15,8 @@
 /**
  * exp(x) for |x| <= 600, relative error below 4e-16.
  *
- * x = n ln 2 + f, |f| <= ln(2)/2; Taylor to degree 13 (remainder 2e-17); 2^n from the exponent bits.
+ * x = n ln 2 + f, |f| <= ln(2)/2; Taylor to degree 13 (remainder 2e-17); 2^n from the exponent
+ * bits.
  */
 static inline double rad_exp(double x) {
   const double shift = 6755399441055744.0; /* 1.5 * 2^52: its low bits hold the rounded integer */

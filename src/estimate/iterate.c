@@ -78,7 +78,8 @@ enum rad_code rad_irradiance_at(const struct rad_mesh *mesh, const struct rad_ru
     for (int i = 0; i < n; i++) {
       int at = first[i];
       struct rad_targets t = {p->triangle[at], first[i + 1] - at, p->base + at, p->mu + at};
-      batch(mesh, rules, sees, &t, n_band, u, h + (size_t)at * n_band, &worker[omp_get_thread_num()]);
+      batch(mesh, rules, sees, &t, n_band, u, h + (size_t)at * n_band,
+            &worker[omp_get_thread_num()]);
     }
   }
   for (int t = 0; worker && t < n_thread; t++) {

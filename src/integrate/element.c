@@ -19,7 +19,8 @@ struct classes {
   double center[2];
 };
 
-enum rad_code rad_scratch_init(const struct rad_mesh *mesh, struct rad_scratch *s, struct rad_error *e) {
+enum rad_code rad_scratch_init(const struct rad_mesh *mesh, struct rad_scratch *s,
+                               struct rad_error *e) {
   size_t most = 1;
   for (int i = 0; i < mesh->n_element; i++) {
     const struct rad_element *el = &mesh->element[i];
@@ -90,7 +91,8 @@ static int class_of(const struct classes *c, double d2) {
   return i < c->n ? i : N_CLASS;
 }
 
-/* Sort targets in front of the source into lists by rule; groups of eight share one where they can. */
+/* Sort targets in front of the source into lists by rule; groups of eight share one where they can.
+ */
 static void sort_targets(const struct classes *c, const double *restrict x, int n,
                          struct rad_scratch *s) {
   enum { GROUP = 8 };
@@ -114,7 +116,8 @@ static void sort_targets(const struct classes *c, const double *restrict x, int 
 }
 
 /* Column of a trial function in the caller's matrix; folded elements gather several. */
-static void store(const struct rad_element *e, const double *value, int stride, double *k, int64_t ld) {
+static void store(const struct rad_element *e, const double *value, int stride, double *k,
+                  int64_t ld) {
   int n = e->k_phi * e->k_r;
   for (int f = 0; f < e->n_function; f++) {
     double sum = 0;
@@ -145,8 +148,8 @@ static void far_targets(const struct rad_mesh *mesh, const struct rad_rules *rul
       tile.y[i] = y[j];
       tile.z[i] = z[j];
     }
-    rad_far(&mesh->patch[e->patch], view, angular, c->angular[one], radial, c->radial[one], &tile, n,
-            out);
+    rad_far(&mesh->patch[e->patch], view, angular, c->angular[one], radial, c->radial[one], &tile,
+            n, out);
     if (e->fold) {
       for (int i = 0; i < n; i++)
         store(e, out + i, RAD_TILE, k + list[start + i], ld);
@@ -155,7 +158,8 @@ static void far_targets(const struct rad_mesh *mesh, const struct rad_rules *rul
         for (int i = 0; i < n; i++)
           k[list[start + i] + ld * (e->first + b)] = out[b * RAD_TILE + i];
     }
-    s->counters.kernel_values += (int64_t)n * rad_order[c->angular[one]] * rad_order[c->radial[one]];
+    s->counters.kernel_values +=
+        (int64_t)n * rad_order[c->angular[one]] * rad_order[c->radial[one]];
     s->counters.far += n;
   }
 }
@@ -210,14 +214,14 @@ static void element_block(const struct rad_mesh *mesh, const struct rad_rules *r
     }
   }
   struct classes classes;
-  set_classes(patch, e, &rules->panel[rules->angular[element]], &rules->panel[rules->radial[element]],
-              &classes);
+  set_classes(patch, e, &rules->panel[rules->angular[element]],
+              &rules->panel[rules->radial[element]], &classes);
   sort_targets(&classes, s->frame, n, s);
   for (int one = 0; one < classes.n; one++)
     far_targets(mesh, rules, element, view, &classes, one, k, ld, s);
   strip[0] = rad_strip_whole(e);
-  near_targets(mesh, rules, element, view, strip, 1, s->list + N_CLASS * RAD_BATCH, s->count[N_CLASS],
-               k, ld, s);
+  near_targets(mesh, rules, element, view, strip, 1, s->list + N_CLASS * RAD_BATCH,
+               s->count[N_CLASS], k, ld, s);
 }
 
 void rad_patch_block(const struct rad_mesh *mesh, const struct rad_rules *rules,

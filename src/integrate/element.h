@@ -9,8 +9,8 @@
 /* Target points on one triangle, positions as in rad_patch. */
 struct rad_targets {
   int triangle, n;
-  const int *base;        /* [n] */
-  const double (*mu)[2];  /* [n] */
+  const int *base;       /* [n] */
+  const double (*mu)[2]; /* [n] */
 };
 
 struct rad_counters {
@@ -28,11 +28,12 @@ struct rad_scratch {
 
 enum { RAD_BATCH = 512 }; /* most targets at once */
 
-enum rad_code rad_scratch_init(const struct rad_mesh *mesh, struct rad_scratch *s, struct rad_error *e);
+enum rad_code rad_scratch_init(const struct rad_mesh *mesh, struct rad_scratch *s,
+                               struct rad_error *e);
 void rad_scratch_free(struct rad_scratch *s); /* safe twice */
 
 /**
- * K[i, b] = int G(x_i, y) L_b(y) dS for all trial functions b of one patch                  (theory 3.3)
+ * K[i, b] = int G(x_i, y) L_b(y) dS for all trial functions b of one patch (theory 3.3)
  *
  * @param[in]  targets  at most RAD_BATCH
  * @param[out] k        k[i + ld * unknown], written for the unknowns of the patch only

@@ -13,7 +13,7 @@ struct rad_tile {
 };
 
 /**
- * I[b](x_i) = int_e G(x_i, y) L_b(y) dS for one plane element, unclipped                  (theory 3.4)
+ * I[b](x_i) = int_e G(x_i, y) L_b(y) dS for one plane element, unclipped (theory 3.4)
  *
  * @param[in]  n        number of targets in tile, <= RAD_TILE; those with z <= 0 give 0;
  *                      the tile is padded with copies of the last

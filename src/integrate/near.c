@@ -35,11 +35,13 @@ struct ray {
   double scale;     /* weight of this ray's integral */
 };
 
-/* Radial integrand times weights at n nodes, for Gauss points z0 + x z1 of the (mapped) variable. */
-INLINE void radial_nodes(const struct ray *ray, const int p, const int mapped, double mid, double half,
-                                int n, const double *restrict x, const double *restrict w,
-                                double *restrict tau, double *restrict f) {
-  double re = ray->re, im = ray->im, n0 = ray->n0, slope = ray->slope, scale = ray->scale * half * p;
+/* Radial integrand times weights at n nodes, for Gauss points z0 + x z1 of the (mapped) variable.
+ */
+INLINE void radial_nodes(const struct ray *ray, const int p, const int mapped, double mid,
+                         double half, int n, const double *restrict x, const double *restrict w,
+                         double *restrict tau, double *restrict f) {
+  double re = ray->re, im = ray->im, n0 = ray->n0, slope = ray->slope,
+         scale = ray->scale * half * p;
 #pragma omp simd
   for (int i = 0; i < n; i++) {
     double z = mid + half * x[i], sh, ch2, dtau;
@@ -92,8 +94,8 @@ INLINE void radial_nodes_by_kind(const struct ray *ray, int p, int mapped, doubl
 }
 
 /* moment[c] += sum_i f_i P_c(x_i), c < k, with x the position of tau in the element's range. */
-INLINE void legendre_moments(int n, const double *restrict tau, const double *restrict f,
-                                    double lo, double hi, int k, double *restrict moment) {
+INLINE void legendre_moments(int n, const double *restrict tau, const double *restrict f, double lo,
+                             double hi, int k, double *restrict moment) {
   double x[MAX_RADIAL], p0[MAX_RADIAL], p1[MAX_RADIAL], sum = 0, sum1 = 0;
 #pragma omp simd reduction(+ : sum, sum1)
   for (int i = 0; i < n; i++) {
@@ -131,7 +133,8 @@ INLINE void along_ray(struct rad_near *w, const struct ray *ray, double *restric
   double rho = bernstein((ray->re - mid) / half, ray->im / half);
   int mapped = rho < RHO_PLAIN;
   if (mapped) {
-    double z0 = asinh((ray->tau[0] - ray->re) / ray->im), z1 = asinh((ray->tau[1] - ray->re) / ray->im);
+    double z0 = asinh((ray->tau[0] - ray->re) / ray->im),
+           z1 = asinh((ray->tau[1] - ray->re) / ray->im);
     mid = 0.5 * (z0 + z1);
     half = 0.5 * (z1 - z0);
     rho = bernstein(mid / half, 0.5 * M_PI / half);
@@ -146,7 +149,7 @@ INLINE void along_ray(struct rad_near *w, const struct ray *ray, double *restric
   for (int part = 0; part < parts; part++) {
     double at = mid + half * (2.0 * part + 1 - parts) / parts;
     radial_nodes_by_kind(ray, p, mapped, at, half / parts, n, rad_gauss_node(w->gauss, n),
-                 rad_gauss_weight(w->gauss, n), tau, f);
+                         rad_gauss_weight(w->gauss, n), tau, f);
     legendre_moments(n, tau, f, e->tau[0], e->tau[1], k, moment);
   }
   w->n_kernel += (int64_t)n * parts;
@@ -173,16 +176,17 @@ static double side_r(const struct rad_side_line *s, double t) {
   return s->g / (s->c1 + s->c2 * t);
 }
 
-/* t_c: |x - ray(t)|^2 = Q |t - t_c|^2 / A, the ray that passes x in complex t           (theory 3.7) */
+/* t_c: |x - ray(t)|^2 = Q |t - t_c|^2 / A, the ray that passes x in complex t (theory 3.7) */
 static double complex ray_pole(const struct rad_near *w, double *q) {
   const struct rad_patch *p = w->patch;
   double x = w->x[0], y = w->x[1], z = w->x[2];
   double e = x * p->b2 - y * p->b1, b = p->b1 * p->b1 + p->b2 * p->b2;
   *q = e * e + z * z * b;
-  return (p->a1 * (e * y - z * z * p->b1) + I * p->a1 * p->b2 * z * sqrt(x * x + y * y + z * z)) / *q;
+  return (p->a1 * (e * y - z * z * p->b1) + I * p->a1 * p->b2 * z * sqrt(x * x + y * y + z * z)) /
+         *q;
 }
 
-/* t at which the line of a side passes x in complex t                                   (theory 3.8) */
+/* t at which the line of a side passes x in complex t (theory 3.8) */
 static double complex side_pole(const struct rad_near *w, const struct rad_side_line *s) {
   const struct rad_patch *p = w->patch;
   double alpha = s->c1 / p->a1, beta = (s->c2 - alpha * p->b1) / p->b2;
@@ -194,7 +198,8 @@ static double complex side_pole(const struct rad_near *w, const struct rad_side_
 }
 
 /* The poles that matter for a strip; returns their number. */
-static int find_poles(const struct rad_near *w, const struct rad_strip *strip, double complex *pole) {
+static int find_poles(const struct rad_near *w, const struct rad_strip *strip,
+                      double complex *pole) {
   const struct rad_patch *p = w->patch;
   double q;
   double complex t = ray_pole(w, &q);
@@ -211,8 +216,8 @@ static int find_poles(const struct rad_near *w, const struct rad_strip *strip, d
 }
 
 /* Set the radial data of the ray at t; dt is t - t_c, exact near the pole. */
-INLINE void set_ray(const struct rad_near *w, const struct rad_strip *strip, double t,
-                           double dt2, double q, struct ray *ray) {
+INLINE void set_ray(const struct rad_near *w, const struct rad_strip *strip, double t, double dt2,
+                    double q, struct ray *ray) {
   const struct rad_patch *p = w->patch;
   double d1 = p->a1 + t * p->b1, d2 = t * p->b2, a = d1 * d1 + d2 * d2;
   double r0 = (d1 * w->x[0] + d2 * w->x[1]) / a, delta = sqrt(q * dt2) / a;
@@ -288,8 +293,9 @@ static struct range choose(const struct rad_near *w, double lo, double hi, int n
 }
 
 /* All rays of one range. */
-static RAD_CLONES void sweep(struct rad_near *w, const struct rad_strip *strip, const struct range *range,
-                             double complex t_c, double q_c, double *restrict moment) {
+static RAD_CLONES void sweep(struct rad_near *w, const struct rad_strip *strip,
+                             const struct range *range, double complex t_c, double q_c,
+                             double *restrict moment) {
   const struct rad_element *e = w->element;
   const double *x = rad_gauss_node(w->gauss, range->n), *wt = rad_gauss_weight(w->gauss, range->n);
   double complex sigma_c = sigma_of(w, t_c);
@@ -315,8 +321,8 @@ static RAD_CLONES void sweep(struct rad_near *w, const struct rad_strip *strip, 
 }
 
 /* Sweep [lo, hi], halving it in the mapped variable while it would need too many rays. */
-static void across(struct rad_near *w, const struct rad_strip *strip, double lo, double hi, int n_pole,
-                   const double complex *pole, int depth, double *moment) {
+static void across(struct rad_near *w, const struct rad_strip *strip, double lo, double hi,
+                   int n_pole, const double complex *pole, int depth, double *moment) {
   if (hi <= lo)
     return;
   struct range range = choose(w, lo, hi, n_pole, pole);

@@ -1,4 +1,5 @@
-/* Near targets: rays from the patch's corner, both directions stretched around the kernel's poles. */
+/* Near targets: rays from the patch's corner, both directions stretched around the kernel's poles.
+ */
 #ifndef RAD_INTEGRATE_NEAR_H
 #define RAD_INTEGRATE_NEAR_H
 
@@ -31,7 +32,7 @@ struct rad_near {
 };
 
 /**
- * I[b] = int over the strips of G(x, y) L_b(y) dS, b = a + k_phi c                        (theory 3.6)
+ * I[b] = int over the strips of G(x, y) L_b(y) dS, b = a + k_phi c (theory 3.6)
  *
  * For fixed t the integrand is rational in r with the double poles r0 +- i delta; the integral over
  * r is analytic in t but for poles where the ray, or an end of the range, passes x. Each range is

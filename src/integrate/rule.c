@@ -85,7 +85,8 @@ void rad_panel_reach(const struct rad_gauss *g, const struct rad_panel *panel, d
   }
 }
 
-static enum rad_code set_tables(const struct rad_gauss *g, struct rad_panel *p, struct rad_error *e) {
+static enum rad_code set_tables(const struct rad_gauss *g, struct rad_panel *p,
+                                struct rad_error *e) {
   size_t total = 0;
   for (int o = 0; o < RAD_N_ORDER; o++)
     total += (size_t)rad_order[o] * (size_t)(p->k + 1);
@@ -132,7 +133,8 @@ static struct rad_panel panel_of(const struct rad_mesh *mesh, int element, int r
 }
 
 /* Sorted list of the distinct intervals, and each element's place in it. */
-static enum rad_code collect(const struct rad_mesh *mesh, struct rad_rules *rules, struct rad_error *e) {
+static enum rad_code collect(const struct rad_mesh *mesh, struct rad_rules *rules,
+                             struct rad_error *e) {
   size_t n = (size_t)mesh->n_element;
   rules->angular = rad_alloc(n, sizeof(int));
   rules->radial = rad_alloc(n, sizeof(int));

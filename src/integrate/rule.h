@@ -18,7 +18,7 @@ struct rad_panel {
   double lo, hi, p;
   int k, radial;
   enum rad_angle angle;
-  double reach[RAD_N_ORDER]; /* see rad_panel_reach */
+  double reach[RAD_N_ORDER];   /* see rad_panel_reach */
   double *point[RAD_N_ORDER];  /* [n]; into one block */
   double *weight[RAD_N_ORDER]; /* [k, n] */
   double *block;               /* owned */

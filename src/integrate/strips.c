@@ -71,8 +71,9 @@ int rad_strips(const struct rad_patch *patch, const struct rad_element *e,
     double mid = 0.5 * (t[i] + t[i + 1]);
     struct rad_strip *s = &strip[n++];
     for (int d = 0; d < 2; d++)
-      s->sigma[d] = fmin(fmax(power(rad_angle_phi(patch->angle, t[i + d]), 1 / e->p_phi), e->sigma[0]),
-                         e->sigma[1]);
+      s->sigma[d] =
+          fmin(fmax(power(rad_angle_phi(patch->angle, t[i + d]), 1 / e->p_phi), e->sigma[0]),
+               e->sigma[1]);
     s->lower = at_corner ? (struct rad_side_line){0, 1, 0} : side_at(polygon, mid, 0);
     s->upper = side_at(polygon, mid, 1);
   }

@@ -29,7 +29,8 @@ void rad_view_set(const struct rad_triangle *target, const struct rad_triangle *
 static inline void rad_view_point(const struct rad_view *view, int base, const double mu[2],
                                   double x[3]) {
   for (int d = 0; d < 3; d++)
-    x[d] = view->origin[base][d] + (mu[0] * view->along[base][0][d] + mu[1] * view->along[base][1][d]);
+    x[d] =
+        view->origin[base][d] + (mu[0] * view->along[base][0][d] + mu[1] * view->along[base][1][d]);
 }
 
 #endif

@@ -26,7 +26,8 @@ void rad_grade_fill(int n, double p, struct rad_rectangle *out) {
     *out++ = (struct rad_rectangle){{lo, hi}, {lo, hi}, i};
     for (int along_r = 0; along_r < 2; along_r++)
       for (int m = 0; m < parts; m++) {
-        double c0 = hi + (1 - hi) * m / parts, c1 = m + 1 == parts ? 1 : hi + (1 - hi) * (m + 1) / parts;
+        double c0 = hi + (1 - hi) * m / parts,
+               c1 = m + 1 == parts ? 1 : hi + (1 - hi) * (m + 1) / parts;
         *out++ = along_r ? (struct rad_rectangle){{lo, hi}, {c0, c1}, i}
                          : (struct rad_rectangle){{c0, c1}, {lo, hi}, i};
       }
@@ -34,6 +35,5 @@ void rad_grade_fill(int n, double p, struct rad_rectangle *out) {
 }
 
 int rad_grade_constant(int layer, int n, double p, int constant_layers) {
-  return constant_layers > 0 &&
-         layer < pow(constant_layers, 1 / (1 + p)) * pow(n, p / (1 + p));
+  return constant_layers > 0 && layer < pow(constant_layers, 1 / (1 + p)) * pow(n, p / (1 + p));
 }

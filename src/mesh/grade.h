@@ -14,7 +14,8 @@ int rad_grade_count(int n, double p);
  * The rectangles of P(N,p): layer i = { min(phi, r) in [(i/N)^p, ((i+1)/N)^p] } holds one square
  * and in each leg nint((1 - g_{i+1}) / (g_{i+1} - g_i)) equal rectangles         (theory 2.3)
  *
- * @param[out] rectangle  [rad_grade_count(n, p)], layer by layer: square, leg along phi, leg along r
+ * @param[out] rectangle  [rad_grade_count(n, p)], layer by layer: square, leg along phi, leg along
+ * r
  */
 void rad_grade_fill(int n, double p, struct rad_rectangle *rectangle);
 

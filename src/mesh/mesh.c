@@ -28,7 +28,8 @@ static void count(const struct rad_triangle *t, const struct rad_deck_method *m,
   *n_element = 0;
   for (int s = 0; s < RAD_N_SUB; s++) {
     int n = sub_elements(t, s, m);
-    *n_element += m->mesh == RAD_MESH_PAPER ? rad_grade_count(n, sub_grading(t, s, m)) : (double)n * n;
+    *n_element +=
+        m->mesh == RAD_MESH_PAPER ? rad_grade_count(n, sub_grading(t, s, m)) : (double)n * n;
   }
 }
 
@@ -137,8 +138,8 @@ static void set_fold(struct rad_mesh *mesh) {
   }
 }
 
-static enum rad_code allocate(struct rad_mesh *mesh, double n_element, const struct rad_deck_method *m,
-                              struct rad_error *e) {
+static enum rad_code allocate(struct rad_mesh *mesh, double n_element,
+                              const struct rad_deck_method *m, struct rad_error *e) {
   int n_triangle = mesh->scene->n_triangle;
   double k = m->degree + 1, n_point = n_element * k * k;
   if (n_point > 2e9)
@@ -159,7 +160,8 @@ static enum rad_code allocate(struct rad_mesh *mesh, double n_element, const str
   return RAD_OK;
 }
 
-static void fill(struct rad_mesh *mesh, const struct rad_deck_method *m, struct rad_rectangle *scratch) {
+static void fill(struct rad_mesh *mesh, const struct rad_deck_method *m,
+                 struct rad_rectangle *scratch) {
   const struct rad_scene *scene = mesh->scene;
   mesh->n_patch = 0;
   for (int i = 0; i < scene->n_triangle; i++) {
@@ -188,10 +190,11 @@ enum rad_code rad_mesh_build(const struct rad_scene *scene, const struct rad_dec
                              struct rad_mesh *mesh, struct rad_error *e) {
   *mesh = (struct rad_mesh){.scene = scene};
   if (m->mesh == RAD_MESH_UNIFORM && m->degree > 1)
-    return rad_fail(e, RAD_EINPUT,
-                    "method.degree is %d, but the uniform mesh has degree 0 or 1 only; choose mesh: "
-                    "paper or graded for higher degrees",
-                    m->degree);
+    return rad_fail(
+        e, RAD_EINPUT,
+        "method.degree is %d, but the uniform mesh has degree 0 or 1 only; choose mesh: "
+        "paper or graded for higher degrees",
+        m->degree);
   enum rad_code code = rad_gauss_init(&mesh->gauss, e);
   if (code)
     return code;

@@ -14,10 +14,10 @@
 struct rad_element {
   int patch;
   double sigma[2], tau[2];
-  double p_phi, p_r; /* exponents of the graded variables; whole numbers unless 1 */
-  int k_phi, k_r;    /* points per direction = degree + 1 */
-  int first;         /* its first collocation point = unknown */
-  int n_function;    /* k_phi k_r, or rows of fold */
+  double p_phi, p_r;  /* exponents of the graded variables; whole numbers unless 1 */
+  int k_phi, k_r;     /* points per direction = degree + 1 */
+  int first;          /* its first collocation point = unknown */
+  int n_function;     /* k_phi k_r, or rows of fold */
   const double *fold; /* [n_function, k_phi k_r] or NULL */
 };
 

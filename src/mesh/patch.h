@@ -5,7 +5,7 @@
 #include "scene/scene.h"
 
 /**
- * y(phi, r) = v + r (a + t(phi) b),  0 <= phi, r <= 1,  dS = |a x b| r t'(phi) dphi dr   (theory 2.1)
+ * y(phi, r) = v + r (a + t(phi) b),  0 <= phi, r <= 1,  dS = |a x b| r t'(phi) dphi dr (theory 2.1)
  *
  * phi = 0 is the side that `a` runs along, r = 0 the corner. In the patch's own frame the corner is
  * the origin, e1 the direction of a, e2 the in-plane normal to it with b.e2 > 0:

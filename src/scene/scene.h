@@ -1,4 +1,5 @@
-/* The scene: triangles with topology, surfaces and optical properties, checked and ready for meshing. */
+/* The scene: triangles with topology, surfaces and optical properties, checked and ready for
+ * meshing. */
 #ifndef RAD_SCENE_SCENE_H
 #define RAD_SCENE_SCENE_H
 
@@ -9,8 +10,8 @@ struct rad_triangle {
   double v[3][3];   /* vertices [m], in deck order; equal vertices of the scene are bitwise equal */
   double normal[3]; /* unit normal of the radiating side */
   double area;      /* [m2] */
-  int vertex[3];    /* scene vertex numbers: two triangles touch in a vertex iff a number is equal */
-  int surface;      /* number of its surface */
+  int vertex[3]; /* scene vertex numbers: two triangles touch in a vertex iff a number is equal */
+  int surface;   /* number of its surface */
   int n_grading, n_elements; /* as in the deck; 0 when not given */
   double grading[6];
   int elements[6];

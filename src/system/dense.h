@@ -7,17 +7,17 @@
 #include "integrate/element.h"
 
 /**
- * K[i + n j] = int G(x_i, y) L_j(y) dS, geometry only: the system is (I - diag(rho) K) u = E, so one
- * matrix serves every band (theory 5.1). Blocks of triangles that do not see each other are zero
- * pages that nobody touches.
+ * K[i + n j] = int G(x_i, y) L_j(y) dS, geometry only: the system is (I - diag(rho) K) u = E, so
+ * one matrix serves every band (theory 5.1). Blocks of triangles that do not see each other are
+ * zero pages that nobody touches.
  */
 struct rad_dense {
   const struct rad_mesh *mesh; /* borrowed */
   int n;
-  double *k;                   /* owned [n, n] column-major [-] */
-  unsigned char *sees;         /* owned [n_triangle, n_triangle] 1 if the block may be nonzero */
+  double *k;           /* owned [n, n] column-major [-] */
+  unsigned char *sees; /* owned [n_triangle, n_triangle] 1 if the block may be nonzero */
   struct rad_counters counters;
-  int64_t pairs_skipped;       /* pairs of a point and an element that see nothing of each other */
+  int64_t pairs_skipped; /* pairs of a point and an element that see nothing of each other */
 };
 
 /**

@@ -86,10 +86,11 @@ static enum rad_code begin_cycle(struct krylov *s, struct rad_error *e) {
   if (s->done)
     return RAD_OK;
   if (!isfinite(left) || l->steps >= MAX_STEPS || left > 0.9 * s->before)
-    return rad_fail(e, RAD_ENUMERIC,
-                    "GMRES did not converge: relative residual %.2e, asked for %.2e, after %d steps; "
-                    "raise method.solver_tolerance or use method.solver: lu",
-                    left / s->scale, s->target / s->scale, l->steps);
+    return rad_fail(
+        e, RAD_ENUMERIC,
+        "GMRES did not converge: relative residual %.2e, asked for %.2e, after %d steps; "
+        "raise method.solver_tolerance or use method.solver: lu",
+        left / s->scale, s->target / s->scale, l->steps);
   s->before = left;
   double norm = sqrt(dot(s->n, s->basis, s->basis));
   for (int i = 0; i < s->n; i++)

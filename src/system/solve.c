@@ -58,8 +58,8 @@ static int find_closed_white(const struct rad_dense *dense, const double *rho, c
       continue;
     int white = 1;
     for (int i = 0; i < n && white; i++)
-      for (int p = mesh->point_first[i]; find(parent, i) == root && p < mesh->point_first[i + 1] && white;
-           p++)
+      for (int p = mesh->point_first[i];
+           find(parent, i) == root && p < mesh->point_first[i + 1] && white; p++)
         white = rho[p] == 1 && k1[p] > 1 - slack;
     if (white)
       return root;
@@ -110,7 +110,8 @@ static void neumann(const struct rad_dense *dense, int bounces, const struct rad
       l->u[i] = l->emission[i] + l->rho[i] * work[i];
   }
   double kappa = report->kappa;
-  double rest = kappa < 1 ? pow(kappa, bounces + 1) / (1 - kappa) * max_abs(n, l->emission) : INFINITY;
+  double rest =
+      kappa < 1 ? pow(kappa, bounces + 1) / (1 - kappa) * max_abs(n, l->emission) : INFINITY;
   report->iterations = bounces;
   report->remainder = fmax(report->remainder, rest);
 }
@@ -128,7 +129,8 @@ static enum rad_code gmres(const struct rad_dense *dense, double tolerance, int 
   }
   enum rad_code code = rad_gmres(dense, tolerance, 2 * n_band, system, e);
   for (int b = 0; b < n_band; b++)
-    report->iterations = report->iterations > system[b].steps ? report->iterations : system[b].steps;
+    report->iterations =
+        report->iterations > system[b].steps ? report->iterations : system[b].steps;
   return code;
 }
 
@@ -170,9 +172,10 @@ enum rad_code rad_solve(const struct rad_dense *dense, const struct rad_solve_op
       report->residual = fmax(report->residual, rad_residual(dense, band[b].rho, band[b].emission,
                                                              band[b].u, h + (size_t)b * n, work));
     if (!code && !isfinite(report->residual))
-      code = rad_fail(e, RAD_ENUMERIC,
-                      "the solution is not finite (residual %g); check rho and emission of the deck",
-                      report->residual);
+      code =
+          rad_fail(e, RAD_ENUMERIC,
+                   "the solution is not finite (residual %g); check rho and emission of the deck",
+                   report->residual);
   }
   report->seconds_solve = rad_seconds() - start - report->seconds_factor;
   report->converged = !code;

@@ -12,12 +12,12 @@ struct rad_solve_options {
 
 /* What a solve says of itself; worst over the bands. */
 struct rad_solve_report {
-  enum rad_solver solver;    /* used */
-  int iterations;            /* GMRES steps or bounces; 0 for LU */
+  enum rad_solver solver; /* used */
+  int iterations;         /* GMRES steps or bounces; 0 for LU */
   int converged;
-  double kappa;              /* max rho K1 over the collocation points */
-  double inverse_norm;       /* max norm of (I - diag(rho) K)^{-1} = max w, w of (5.2); NAN: Neumann */
-  double residual;           /* max |E - u + rho K u| [W/m2] */
+  double kappa;        /* max rho K1 over the collocation points */
+  double inverse_norm; /* max norm of (I - diag(rho) K)^{-1} = max w, w of (5.2); NAN: Neumann */
+  double residual;     /* max |E - u + rho K u| [W/m2] */
   double condition_estimate; /* max norm, dgecon; NAN without LU */
   double remainder;          /* Neumann: bound of the bounces left out [W/m2]; 0 otherwise */
   double seconds_factor, seconds_solve;

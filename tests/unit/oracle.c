@@ -159,8 +159,8 @@ static quad unangle(const struct work *o, quad t) {
 
 /* d ln y / d ln u over a range, for its size against a distance; twice if the range is wide. */
 static double steepness(const struct axis *g, quad lo, quad hi) {
-  const double p = (double)g->p, grow = p * (double)(1 - lo / hi);
-  return grow > 2 ? 2 * p * (double)(1 - lo / hi) : grow;
+  const double grow = (double)(g->p * (1 - lo / hi));
+  return grow > 2 ? 2 * grow : grow;
 }
 
 static void lagrange(const struct axis *g, quad u, ext *basis) {
@@ -369,12 +369,12 @@ static int choose_split(const struct work *o, const struct cell *e, double far, 
 static void refine(struct work *o, const struct cell *e, int depth) {
   quad low = 0, high = 0, at = 0;
   const double far = distance(o, e, &low, &high);
+  if (far <= o->noise || depth >= MAX_DEPTH)
+    o->failed = 1;
   if (high <= o->noise || o->failed)
     return;
-  const int split = far > 0 && depth < MAX_DEPTH ? choose_split(o, e, far, &at) : -1;
-  if (split < 0) {
-    o->failed = 1;
-  } else if (split == 0 && low < -o->noise) {
+  const int split = choose_split(o, e, far, &at);
+  if (split == 0 && low < -o->noise) {
     add_clipped(o, e);
   } else if (split == 0) {
     add_plain(o, e, e->s0, e->s1);

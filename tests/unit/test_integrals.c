@@ -17,13 +17,19 @@ struct pair {
 
 static const struct pair pairs[] = {
     {"right angle", {{0, 0, 0}, {6, 0, 0}, {0, 6, 0}}, {{0, 0, 0}, {0, 6, 0}, {0, 0, 6}}},
-    {"edge, far corner first", {{6, 0, 0}, {0, 12, 0}, {0, 0, 0}}, {{0, 0, 6}, {0, 0, 0}, {6, 0, 0}}},
+    {"edge, far corner first",
+     {{6, 0, 0}, {0, 12, 0}, {0, 0, 0}},
+     {{0, 0, 6}, {0, 0, 0}, {6, 0, 0}}},
     {"sharp edge", {{0, 0, 0}, {12, 0, 0}, {0, 12, 0}}, {{0, 0, 0}, {12, 0, 0}, {6, 12, 2}}},
     {"flat edge", {{0, 0, 0}, {12, 0, 0}, {0, 12, 0}}, {{0, 0, 0}, {12, 0, 0}, {6, -12, 2}}},
     {"vertex", {{0, 0, 0}, {6, 0, 0}, {6, 6, 0}}, {{0, 0, 0}, {-6, 6, 6}, {-6, 0, 6}}},
     {"apart", {{0, 0, 0}, {6, 0, 0}, {0, 6, 0}}, {{0, 0, 6}, {0, 6, 12}, {6, 0, 6}}},
-    {"close plates", {{0, 0, 0}, {6, 0, 0}, {0, 6, 0}}, {{0, 0, 0.0009765625}, {6, 0, 0.0009765625}, {0, 6, 0.0009765625}}},
-    {"across the horizon", {{0, 0, 0}, {6, 0, 0}, {0, 6, 0}}, {{-6, 0, -6}, {-6, 6, -6}, {-6, 0, 12}}},
+    {"close plates",
+     {{0, 0, 0}, {6, 0, 0}, {0, 6, 0}},
+     {{0, 0, 0.0009765625}, {6, 0, 0.0009765625}, {0, 6, 0.0009765625}}},
+    {"across the horizon",
+     {{0, 0, 0}, {6, 0, 0}, {0, 6, 0}},
+     {{-6, 0, -6}, {-6, 6, -6}, {-6, 0, 12}}},
     {"needle", {{0, 0, 0}, {60, 0, 0}, {60, 6, 0}}, {{0, 0, 0}, {60, 0, 0}, {54, 0, 6}}},
 };
 enum { N_PAIR = sizeof pairs / sizeof *pairs };
@@ -78,7 +84,8 @@ static struct oracle_point to_point(const struct rad_triangle *t, int base, cons
 /* The oracle's element, formed from the triangle's corners and not from the mesh's patch. */
 static struct oracle_element to_element(const struct rad_triangle *t, const struct rad_element *e,
                                         int sub, int polar) {
-  struct oracle_element o = {.polar = polar, .p_phi = e->p_phi, .p_r = e->p_r, .k_phi = e->k_phi, .k_r = e->k_r};
+  struct oracle_element o = {
+      .polar = polar, .p_phi = e->p_phi, .p_r = e->p_r, .k_phi = e->k_phi, .k_r = e->k_r};
   int edge = sub / 2, from = sub % 2 ? (edge + 1) % 3 : edge, to = sub % 2 ? edge : (edge + 1) % 3;
   for (int d = 0; d < 3; d++) {
     double v = t->v[from][d], w = t->v[to][d];
@@ -93,7 +100,8 @@ static struct oracle_element to_element(const struct rad_triangle *t, const stru
 }
 
 /* Largest error of any integral of one point, over the row sum of the source triangle. */
-static double point_error(const struct rad_mesh *mesh, double tolerance, int base, const double mu[2]) {
+static double point_error(const struct rad_mesh *mesh, double tolerance, int base,
+                          const double mu[2]) {
   const struct rad_scene *scene = mesh->scene;
   struct rad_error err;
   struct rad_rules rules;
@@ -132,9 +140,9 @@ struct method {
 };
 
 static const struct method methods[] = {
-    {RAD_MESH_PAPER, 1, 1, 0, RAD_ANGLE_POLAR},  {RAD_MESH_PAPER, 2, 2, 1, RAD_ANGLE_POLAR},
+    {RAD_MESH_PAPER, 1, 1, 0, RAD_ANGLE_POLAR},   {RAD_MESH_PAPER, 2, 2, 1, RAD_ANGLE_POLAR},
     {RAD_MESH_PAPER, 2, 1.5, 3, RAD_ANGLE_DUFFY}, {RAD_MESH_GRADED, 1, 2, 5, RAD_ANGLE_POLAR},
-    {RAD_MESH_GRADED, 1, 3, 9, RAD_ANGLE_POLAR}, {RAD_MESH_GRADED, 2, 4, 7, RAD_ANGLE_DUFFY},
+    {RAD_MESH_GRADED, 1, 3, 9, RAD_ANGLE_POLAR},  {RAD_MESH_GRADED, 2, 4, 7, RAD_ANGLE_DUFFY},
     {RAD_MESH_GRADED, 1, 5, 11, RAD_ANGLE_POLAR},
 };
 enum { N_METHOD = sizeof methods / sizeof *methods };
@@ -142,8 +150,11 @@ enum { N_METHOD = sizeof methods / sizeof *methods };
 static void build(const struct pair *p, const struct method *m, struct rad_triangle tri[2],
                   struct rad_scene *scene, struct rad_mesh *mesh) {
   struct rad_error e;
-  struct rad_deck_method method = {
-      .mesh = m->mesh, .elements = m->elements, .grading = m->grading, .degree = m->degree, .angle = m->angle};
+  struct rad_deck_method method = {.mesh = m->mesh,
+                                   .elements = m->elements,
+                                   .grading = m->grading,
+                                   .degree = m->degree,
+                                   .angle = m->angle};
   set_scene(p, tri, scene);
   ck_assert_int_eq(rad_mesh_build(scene, &method, mesh, &e), RAD_OK);
 }
@@ -164,7 +175,8 @@ static void place(int kind, double distance, int *base, double mu[2]) {
 }
 enum { N_PLACE = 7 };
 
-static void hold(int i_pair, int i_method, int kind, double distance, double tolerance, double limit) {
+static void hold(int i_pair, int i_method, int kind, double distance, double tolerance,
+                 double limit) {
   struct rad_triangle tri[2];
   struct rad_scene scene;
   struct rad_mesh mesh;
@@ -173,8 +185,10 @@ static void hold(int i_pair, int i_method, int kind, double distance, double tol
   build(&pairs[i_pair], &methods[i_method], tri, &scene, &mesh);
   place(kind, distance, &base, mu);
   double error = point_error(&mesh, tolerance, base, mu);
-  ck_assert_msg(error <= limit, "%s, method %d, place %d, distance %g, tolerance %g: error %g over the row sum, limit %g",
-                pairs[i_pair].name, i_method, kind, distance, tolerance, error, limit);
+  ck_assert_msg(
+      error <= limit,
+      "%s, method %d, place %d, distance %g, tolerance %g: error %g over the row sum, limit %g",
+      pairs[i_pair].name, i_method, kind, distance, tolerance, error, limit);
   if (getenv("POLYRAD_TEST_VERBOSE"))
     printf("%-24s method %d place %d distance %-6g tolerance %-6g error %.2e\n", pairs[i_pair].name,
            i_method, kind, distance, tolerance, error);

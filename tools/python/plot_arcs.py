@@ -83,14 +83,15 @@ def main() -> None:
     for radius, shade in zip(radii, shades, strict=True):
         left.plot(*found[-1][radius], color=shade, lw=1.6, label=f"r = {radius:g} m")
     left.set_ylabel(f"radiosity  [{unit}]")
-    steepest = 0.0
+    inner = []
     for i, (result, arc) in enumerate(zip(results, found, strict=True)):
         t, u = arc[options.slope]
         slope, between = np.diff(u) / np.diff(t), (t[1:] + t[:-1]) / 2
-        steepest = np.abs(slope[(between > 0.01) & (between < 0.99)]).max(initial=steepest)
+        inner.append(slope[(between > 0.01) & (between < 0.99)])
         right.plot(between, slope, color=f"C{i}", lw=1.4, label=label(result))
-    if steepest > 0:  # at the edges it grows without bound: they would flatten the rest
-        right.set_ylim(-1.1 * steepest, 1.1 * steepest)
+    inner = np.concatenate(inner)
+    if np.ptp(inner) > 0:  # at the edges it grows without bound, which would flatten the rest
+        right.set_ylim(inner.min() - 0.1 * np.ptp(inner), inner.max() + 0.1 * np.ptp(inner))
     right.set_ylabel(f"d radiosity / dt at r = {options.slope:g} m  [{unit}]")
     for panel in (left, right):
         panel.set(xlim=(0, 1), xlabel="t, share of the angle at the vertex")

@@ -21,13 +21,6 @@ def corners(result: Result) -> np.ndarray:
     return connectivity[offsets[:-1, None] + np.minimum(np.arange(4), count[:, None] - 1)]
 
 
-def facing(result: Result, view: space.View, normals: np.ndarray, middle: np.ndarray) -> np.ndarray:
-    """Cells that turn their radiating side to the viewer; all, if their triangles are unknown."""
-    if "VTKHDF/CellData/triangle" not in result.file:
-        return np.full(len(middle), True)
-    return view.sees(normals[result.array("VTKHDF/CellData/triangle")], middle)
-
-
 def refine(cells: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Cut cells [n,4,3] into k x k bilinear pieces, each with the value at its middle."""
     k = int(np.clip(np.ceil(np.sqrt(SMOOTH / len(cells))), 1, 32))
@@ -73,8 +66,9 @@ def main() -> None:
     vertices = result.array("polyrad/triangles/vertices")
     normals = result.array("polyrad/triangles/normal")
     view = space.View.of(options, vertices, normals)
-    if not options.back:
-        number = number[facing(result, view, normals, points[number].mean(axis=1))]
+    of_cell = result.file.get("VTKHDF/CellData/triangle")
+    if of_cell is not None and not options.back:  # a cell without a triangle has no radiating side
+        number = number[view.sees(normals[of_cell[()]], points[number].mean(axis=1))]
         seen = view.sees(normals, vertices[:, 0])
         vertices, normals = vertices[seen], normals[seen]
     number = number[np.isfinite(values[number]).all(axis=1)]
