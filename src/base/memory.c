@@ -1,5 +1,7 @@
 #include "base/memory.h"
 
+#include <limits.h>
+#include <math.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -32,18 +34,45 @@ static double resource_rest(int resource, double used) {
   return rest > 0 ? rest : 0;
 }
 
-/* What the cgroup (version 2, then 1) leaves; "max" is no number and reads as unlimited. */
+/* The rest of one cgroup folder; "max" is no number and reads as unlimited. */
+static double folder_rest(const char *folder, const char *limit_name, const char *used_name) {
+  char path[PATH_MAX + 64];
+  snprintf(path, sizeof path, "%s/%s", folder, limit_name);
+  double limit = read_key(path, "");
+  snprintf(path, sizeof path, "%s/%s", folder, used_name);
+  double used = read_key(path, "");
+  if (limit < 0 || limit > 1e18)
+    return UNLIMITED;
+  return limit > used ? limit - fmax(used, 0) : 0;
+}
+
+/* What this process's cgroup and those above it leave: the line "0::/path" (version 2) or
+ * "n:memory:/path" (version 1) of /proc/self/cgroup, walked up to the root. */
 static double cgroup_rest(void) {
-  static const char *const file[][2] = {
-      {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory.current"},
-      {"/sys/fs/cgroup/memory/memory.limit_in_bytes",
-       "/sys/fs/cgroup/memory/memory.usage_in_bytes"}};
-  for (int v = 0; v < 2; v++) {
-    double limit = read_key(file[v][0], ""), used = read_key(file[v][1], "");
-    if (limit > 0 && limit < 1e18)
-      return limit > used ? limit - used : 0;
+  FILE *f = fopen("/proc/self/cgroup", "r");
+  char line[PATH_MAX], folder[PATH_MAX + 32];
+  double least = UNLIMITED;
+  while (f && fgets(line, sizeof line, f)) {
+    char *name = strchr(line, ':'), *path = name ? strchr(name + 1, ':') : NULL;
+    if (!path)
+      continue;
+    *path++ = 0;
+    path[strcspn(path, "\n")] = 0;
+    int unified = !strcmp(name, ":");
+    if (!unified && strcmp(name, ":memory"))
+      continue;
+    snprintf(folder, sizeof folder, "/sys/fs/cgroup%s%s", unified ? "" : "/memory",
+             strcmp(path, "/") ? path : "");
+    while (strlen(folder) >= strlen("/sys/fs/cgroup")) {
+      least = fmin(least,
+                   unified ? folder_rest(folder, "memory.max", "memory.current")
+                           : folder_rest(folder, "memory.limit_in_bytes", "memory.usage_in_bytes"));
+      *strrchr(folder, '/') = 0;
+    }
   }
-  return UNLIMITED;
+  if (f)
+    fclose(f);
+  return least;
 }
 
 double rad_memory_available(void) {

@@ -94,15 +94,20 @@ static void write_field(struct rad_hdf *h, hid_t group, const char *name, const 
                                         .data = value});
 }
 
-static void write_surface(struct rad_hdf *h, hid_t group, int64_t n, const int *surface) {
+static void write_number(struct rad_hdf *h, hid_t group, const char *name, const char *description,
+                         int64_t n, const int *number) {
   rad_hdf_array(h, group,
-                &(struct rad_hdf_array){.name = "surface",
+                &(struct rad_hdf_array){.name = name,
                                         .unit = "1",
-                                        .description = "surface, as a row of /polyrad/surfaces",
+                                        .description = description,
                                         .type = RAD_HDF_INT32,
                                         .rank = 1,
                                         .shape = {(hsize_t)n},
-                                        .data = surface});
+                                        .data = number});
+}
+
+static void write_surface(struct rad_hdf *h, hid_t group, int64_t n, const int *surface) {
+  write_number(h, group, "surface", "surface, as a row of /polyrad/surfaces", n, surface);
 }
 
 /* Fields that are shown: as the deck asks, and as far as they were computed. */
@@ -145,6 +150,8 @@ static void write_constants(struct rad_hdf *h, hid_t group, const struct rad_res
   }
   write_field(h, group, "rho", "1", "reflectivity", p->n_cell, n_band, rho);
   write_surface(h, group, p->n_cell, surface);
+  write_number(h, group, "triangle", "scene triangle, as a row of /polyrad/triangles", p->n_cell,
+               p->triangle);
   free(surface);
 }
 

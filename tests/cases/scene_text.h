@@ -15,8 +15,8 @@ void deck_begin(struct deck_text *d);
 void deck_add(struct deck_text *d, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* A convex polygon as triangles around its first corner; front is the right-hand side. */
-void deck_polygon(struct deck_text *d, const char *name, int n, const double (*corner)[3], double rho,
-                  double emission);
+void deck_polygon(struct deck_text *d, const char *name, int n, const double (*corner)[3],
+                  double rho, double emission);
 
 /* The unit cube seen from inside, six faces of two triangles; rho and emission per face. */
 void deck_cube(struct deck_text *d, const double rho[6], const double emission[6]);

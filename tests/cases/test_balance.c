@@ -1,4 +1,5 @@
-/* Invariants of whole solutions: closed scenes, energy, the Neumann series, scale, singular scenes. */
+/* Invariants of whole solutions: closed scenes, energy, the Neumann series, scale, singular scenes.
+ */
 #include <check.h>
 #include <math.h>
 #include <stdlib.h>
@@ -73,18 +74,21 @@ START_TEST(closed_tetrahedron) {
 }
 END_TEST
 
-/* Closed scene: what is emitted is absorbed, int (1 - rho) H = int E with the irradiance H; where rho
- * is the same everywhere, also int (1 - rho) u = int E. Collocation loses a little, the less the
- * higher the degree. */
+/* Closed scene: what is emitted is absorbed, int (1 - rho) H = int E with the irradiance H; where
+ * rho is the same everywhere, also int (1 - rho) u = int E. Collocation loses a little, the less
+ * the higher the degree. */
 START_TEST(energy) {
-  static const double emission[6] = {0, 1, 0.2, 0, 3, 0.5}, rho_even[6] = {0.6, 0.6, 0.6, 0.6, 0.6, 0.6};
+  static const double emission[6] = {0, 1, 0.2, 0, 3, 0.5},
+                      rho_even[6] = {0.6, 0.6, 0.6, 0.6, 0.6, 0.6};
   static const char *const name[] = {"floor", "ceiling", "x0", "x1", "y0", "y1"};
   const double *rho = _i ? rho_even : rho_mixed;
   struct deck_text *d = malloc(sizeof *d);
   struct rad_case c;
   deck_begin(d);
   deck_cube(d, rho, emission);
-  deck_add(d, "method: {mesh: graded, grading: 3, degree: 7, elements: 1, quadrature_tolerance: 1e-10}\n");
+  deck_add(
+      d,
+      "method: {mesh: graded, grading: 3, degree: 7, elements: 1, quadrature_tolerance: 1e-10}\n");
   solve(d, &c);
   double in = 0, absorbed = 0, radiosity = 0;
   for (int f = 0; f < 6; f++) {
@@ -94,7 +98,8 @@ START_TEST(energy) {
   }
   ck_assert_msg(fabs(absorbed - in) < 1e-6 * in, "emitted %.10g, absorbed %.10g", in, absorbed);
   if (_i)
-    ck_assert_msg(fabs(radiosity - in) < 1e-6 * in, "emitted %.10g, (1 - rho) u %.10g", in, radiosity);
+    ck_assert_msg(fabs(radiosity - in) < 1e-6 * in, "emitted %.10g, (1 - rho) u %.10g", in,
+                  radiosity);
   rad_case_free(&c);
   free(d);
 }
@@ -118,8 +123,9 @@ START_TEST(neumann) {
     double worst = 0;
     for (int i = 0; i < full.mesh.n_point; i++)
       worst = fmax(worst, fabs(full.u[i] - part.u[i]));
-    ck_assert_msg(worst <= part.report.remainder && worst < last, "%d bounces: error %g, bound %g, before %g",
-                  bounces, worst, part.report.remainder, last);
+    ck_assert_msg(worst <= part.report.remainder && worst < last,
+                  "%d bounces: error %g, bound %g, before %g", bounces, worst,
+                  part.report.remainder, last);
     ck_assert_int_eq(part.report.iterations, bounces);
     last = worst;
     rad_case_free(&part);
@@ -139,7 +145,8 @@ START_TEST(closed_and_white) {
   deck_cube(d, rho, emission);
   deck_add(d, "method: {elements: 1, solver: %s}\n", solver[_i]);
   ck_assert_int_eq(deck_solve(d, &c, &e), RAD_ENUMERIC);
-  ck_assert_msg(strstr(e.text, "closed") && strstr(e.text, "rho = 1") && strstr(e.text, "floor"), "%s", e.text);
+  ck_assert_msg(strstr(e.text, "closed") && strstr(e.text, "rho = 1") && strstr(e.text, "floor"),
+                "%s", e.text);
   rad_case_free(&c);
   free(d);
 }

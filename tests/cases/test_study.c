@@ -1,4 +1,5 @@
-/* The paper's tables, recomputed: errors of a sweep against its last run, from the decks in inputs/. */
+/* The paper's tables, recomputed: errors of a sweep against its last run, from the decks in
+ * inputs/. */
 #include <check.h>
 #include <math.h>
 #include <stdio.h>
@@ -16,8 +17,13 @@
 static int table(const char *deck, int n_set, const char *const *set, double (*row)[2], int most) {
   char path[4096], line[1024];
   snprintf(path, sizeof path, "%s/%s", POLYRAD_INPUTS, deck);
-  struct rad_command c = {.verb = "study", .deck = path, .output = "/dev/null", .n_set = n_set,
-                          .line = "", .out = tmpfile(), .log = stderr};
+  struct rad_command c = {.verb = "study",
+                          .deck = path,
+                          .output = "/dev/null",
+                          .n_set = n_set,
+                          .line = "",
+                          .out = tmpfile(),
+                          .log = stderr};
   for (int i = 0; i < n_set; i++)
     c.set[i] = set[i];
   struct rad_error e;
@@ -34,13 +40,13 @@ static int table(const char *deck, int n_set, const char *const *set, double (*r
   return n;
 }
 
-static void hold(const char *what, const double (*row)[2], int n, const double *unknowns, const double *error,
-                 double tolerance) {
+static void hold(const char *what, const double (*row)[2], int n, const double *unknowns,
+                 const double *error, double tolerance) {
   for (int i = 0; i < n; i++) {
     ck_assert_double_eq(row[i][0], unknowns[i]);
     if (error[i] > 0)
-      ck_assert_msg(fabs(row[i][1] / error[i] - 1) <= tolerance, "%s, row %d: error %.6e, expected %.6e", what,
-                    i, row[i][1], error[i]);
+      ck_assert_msg(fabs(row[i][1] / error[i] - 1) <= tolerance,
+                    "%s, row %d: error %.6e, expected %.6e", what, i, row[i][1], error[i]);
   }
 }
 

@@ -1,4 +1,5 @@
-/* The matrix: bits for any number of threads, row sums, products, the solvers against each other. */
+/* The matrix: bits for any number of threads, row sums, products, the solvers against each other.
+ */
 #include <check.h>
 #include <math.h>
 #include <omp.h>
@@ -82,7 +83,8 @@ START_TEST(row_sums) {
       rad_sub(x, source->v[0], towards);
       for (int q = m->point_first[j]; q < m->point_first[j + 1]; q++)
         sum += c.dense.k[p + (size_t)c.dense.n * q];
-      double exact = rad_dot(towards, source->normal) > 1e-12 ? lambert(source, x, target->normal) : 0;
+      double exact =
+          rad_dot(towards, source->normal) > 1e-12 ? lambert(source, x, target->normal) : 0;
       worst = fmax(worst, fabs(sum - exact));
     }
   }

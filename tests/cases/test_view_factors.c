@@ -8,11 +8,12 @@
 
 /* Graded: the irradiance has no Taylor series at edges that touch the source. Two elements a
  * direction where it changes within a tenth of the target. */
-static const char method[] = "method: {mesh: graded, grading: 3, degree: 13, elements: %d, "
-                             "quadrature_tolerance: 1e-12}\n";
+static const char method[] =
+    "method: {mesh: graded, grading: 3, degree: 13, elements: %d, "
+    "quadrature_tolerance: 1e-12}\n";
 
-static double factor(int elements, const double (*target)[3], int n_target, const double (*source)[3],
-                     int n_source) {
+static double factor(int elements, const double (*target)[3], int n_target,
+                     const double (*source)[3], int n_source) {
   struct deck_text *d = malloc(sizeof *d);
   struct rad_case c;
   struct rad_error e;
@@ -31,7 +32,8 @@ static double factor(int elements, const double (*target)[3], int n_target, cons
 static void hold(const char *name, double f, double exact) {
   if (getenv("POLYRAD_TEST_VERBOSE"))
     printf("%-40s %.15f exact %.15f difference %.1e\n", name, f, exact, f - exact);
-  ck_assert_msg(fabs(f - exact) <= 1e-9, "%s: %.15f, exact %.15f, difference %g", name, f, exact, f - exact);
+  ck_assert_msg(fabs(f - exact) <= 1e-9, "%s: %.15f, exact %.15f, difference %g", name, f, exact,
+                f - exact);
 }
 
 /* Parallel rectangles a x b at distance 1, the upper one shifted by (s, t). */
@@ -82,7 +84,8 @@ START_TEST(other_shapes) {
   hold("right_isosceles_triangles", factor(1, floor, 3, wall, 3), 0.2113248654051871);
   static const double square[4][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
   static const double upright[4][3] = {{1, 1, 0}, {1, 1, 1}, {1, 2, 1}, {1, 2, 0}};
-  hold("perpendicular_unit_squares_touching_at_a_point", factor(1, square, 4, upright, 4), 0.04059223010155854);
+  hold("perpendicular_unit_squares_touching_at_a_point", factor(1, square, 4, upright, 4),
+       0.04059223010155854);
 }
 END_TEST
 
@@ -95,7 +98,10 @@ static double at_probe(const double (*target)[3], const double (*source)[3], con
   deck_begin(d);
   deck_polygon(d, "target", 3, target, 0, 0);
   deck_polygon(d, "source", 4, source, 0, 1);
-  deck_add(d, "method: {elements: 1, quadrature_tolerance: 1e-13}\nprobes: [{surface: target, at: %s}]\n", at);
+  deck_add(
+      d,
+      "method: {elements: 1, quadrature_tolerance: 1e-13}\nprobes: [{surface: target, at: %s}]\n",
+      at);
   enum rad_code code = deck_solve(d, &c, &e);
   ck_assert_msg(code == RAD_OK, "%s", e.text);
   ck_assert_int_eq(rad_case_result(&c, "", &r, &e), RAD_OK);
@@ -110,8 +116,10 @@ START_TEST(points) {
   static const double low[3][3] = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}};
   static const double high[4][3] = {{0, 0, 1}, {0, 1, 1}, {1, 1, 1}, {1, 0, 1}};
   static const double upright[4][3] = {{1, 0, 0}, {1, 0, 1}, {1, 1, 1}, {1, 1, 0}};
-  hold("point_to_parallel_unit_square_corner_foot", at_probe(low, high, "[0, 0, 0]"), 0.138531605994893);
-  hold("point_to_perpendicular_unit_square_(x=1)", at_probe(low, upright, "[0, 0, 0]"), 0.0557341970025535);
+  hold("point_to_parallel_unit_square_corner_foot", at_probe(low, high, "[0, 0, 0]"),
+       0.138531605994893);
+  hold("point_to_perpendicular_unit_square_(x=1)", at_probe(low, upright, "[0, 0, 0]"),
+       0.0557341970025535);
 }
 END_TEST
 

@@ -50,8 +50,8 @@ void oracle_gauss(int n, long double *z, long double *w);
  *
  * La, Lc are the Lagrange polynomials on the Gauss points of the box. Dyadic subdivision until each
  * cell is small against its distance to x, then a tensor Gauss rule; the radial range is clipped
- * at the horizon of x exactly. Error below 1e-17 of sum |I| for distances down to 1e-10 (worst of
- * 7500 random cases: 5e-18; usually 1e-19). A call costs 1 to 100 ms, 0.6 s with broken powers.
+ * at the horizon of x exactly. Measured on 4000 random visible cases, distances
+ * 3 to 1e-10: within 5e-18 of sum |I| of a run with more points and smaller cells.
  *
  * @param[out] I  [k_phi, k_r] column-major [-]
  * @return number of cells used (0: nothing seen), or -1 if x touches the element (I is then

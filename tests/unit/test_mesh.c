@@ -1,4 +1,5 @@
-/* Meshes: unknown counts of the paper, coverage, trial functions, grading per edge and sub-triangle. */
+/* Meshes: unknown counts of the paper, coverage, trial functions, grading per edge and
+ * sub-triangle. */
 #include <check.h>
 #include <math.h>
 #include <stdlib.h>
@@ -39,9 +40,13 @@ START_TEST(paper_counts) {
   make_s1(tri, &s);
   static const int p1[] = {72, 288, 1152, 4608, 18432, 73728}, p2[] = {72, 576, 3168, 16272, 77760};
   for (int i = 0; i < 6; i++)
-    ck_assert_int_eq(unknowns(&s, (struct rad_deck_method){.elements = 1 << i, .grading = 1, .degree = 1}), p1[i]);
+    ck_assert_int_eq(
+        unknowns(&s, (struct rad_deck_method){.elements = 1 << i, .grading = 1, .degree = 1}),
+        p1[i]);
   for (int i = 0; i < 5; i++)
-    ck_assert_int_eq(unknowns(&s, (struct rad_deck_method){.elements = 1 << i, .grading = 2, .degree = 1}), p2[i]);
+    ck_assert_int_eq(
+        unknowns(&s, (struct rad_deck_method){.elements = 1 << i, .grading = 2, .degree = 1}),
+        p2[i]);
 }
 END_TEST
 
@@ -49,14 +54,16 @@ START_TEST(other_counts) {
   struct rad_triangle tri[3];
   struct rad_scene s;
   make_s1(tri, &s);
-  struct rad_deck_method graded = {.mesh = RAD_MESH_GRADED, .elements = 2, .grading = 3, .degree = 5};
+  struct rad_deck_method graded = {
+      .mesh = RAD_MESH_GRADED, .elements = 2, .grading = 3, .degree = 5};
   ck_assert_int_eq(unknowns(&s, graded), 2592);
   struct rad_deck_method uniform = {.mesh = RAD_MESH_UNIFORM, .elements = 4, .degree = 0};
   ck_assert_int_eq(unknowns(&s, uniform), 48);
   uniform.degree = 1;
   ck_assert_int_eq(unknowns(&s, uniform), 144);
   /* i* = 1, p = 2, N = 2: layers i < 1^(1/3) 2^(2/3) = 1.59, so both carry constants */
-  struct rad_deck_method modified = {.elements = 2, .grading = 2, .degree = 1, .constant_layers = 1};
+  struct rad_deck_method modified = {
+      .elements = 2, .grading = 2, .degree = 1, .constant_layers = 1};
   ck_assert_int_eq(unknowns(&s, modified), 18 * 8);
   modified.elements = 4; /* 4^(2/3) = 2.52: layers 0, 1, 2 of 4 */
   ck_assert_int_eq(unknowns(&s, modified), 18 * (rad_grade_count(4, 2) - 1 + 4));
@@ -82,7 +89,8 @@ START_TEST(own_grading_and_elements) {
 }
 END_TEST
 
-/* The rectangles of P(N,p) cover the unit square once: total area, and one owner of random points. */
+/* The rectangles of P(N,p) cover the unit square once: total area, and one owner of random points.
+ */
 START_TEST(partition_covers) {
   struct rad_rectangle q[4096];
   static const double p[] = {1, 1.5, 2, 3, 6};
@@ -130,7 +138,8 @@ START_TEST(functions_interpolate) {
     for (int b = 0; b < el->n_function; b++) {
       double phi, r, value[256];
       int p = el->first + b;
-      int found = rad_patch_locate(&mesh.patch[el->patch], 1, mesh.point_base[p], mesh.point_mu[p], &phi, &r);
+      int found = rad_patch_locate(&mesh.patch[el->patch], 1, mesh.point_base[p], mesh.point_mu[p],
+                                   &phi, &r);
       ck_assert_int_eq(found, 0);
       ck_assert_int_eq(rad_mesh_locate(&mesh, el->patch, phi, r), i);
       rad_element_basis(&mesh, i, phi, r, value);
