@@ -184,6 +184,42 @@ START_TEST(sides_of_planes) {
 }
 END_TEST
 
+/* A stack of two plates: the lower sees the upper's back only if that radiates. */
+START_TEST(facing_takes_both) {
+  static const double low[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  static const double high[3][3] = {{0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
+  start_random();
+  for (int k = 0; k < 40; k++) {
+    struct motion motion = random_motion();
+    struct rad_deck deck = {0};
+    add(&deck, &motion, low, k & 1 ? RAD_SIDE_BACK : RAD_SIDE_FRONT);
+    add(&deck, &motion, high, k & 2 ? RAD_SIDE_BACK : RAD_SIDE_FRONT);
+    struct rad_scene scene = build(&deck);
+    int expected = !(k & 1) && (k & 2);
+    ck_assert_int_eq(rad_faces(&scene.triangle[0], &scene.triangle[1]), expected);
+    ck_assert_int_eq(rad_faces(&scene.triangle[1], &scene.triangle[0]), expected);
+    rad_scene_free(&scene);
+  }
+}
+END_TEST
+
+/* Even if rounding tilts the normal of i more than it ever does. */
+START_TEST(shared_vertices_lie_in_the_plane) {
+  for (int k = 0; k < 9; k++) {
+    struct rad_triangle i = {
+        .v = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .normal = {1e-9, 1e-9, 1}, .vertex = {3, 4, 5}};
+    int kept = k % 3, place = k / 3; /* j's vertex in that place is i's kept one */
+    struct rad_triangle j = {.v = {{0, 0, -1}, {1, 0, -1}, {0, 1, -1}}, .vertex = {6, 7, 8}};
+    memcpy(j.v[place], i.v[kept], sizeof j.v[0]);
+    j.vertex[place] = i.vertex[kept];
+    ck_assert_int_eq(rad_side_of(&i, &j), RAD_BEHIND);
+    i.normal[0] = i.normal[1] = -1e-9;
+    i.normal[2] = -1;
+    ck_assert_int_eq(rad_side_of(&i, &j), RAD_IN_FRONT);
+  }
+}
+END_TEST
+
 /* A wall of small triangles, turned: coordinates are rounded, and yet no two face each other. */
 START_TEST(a_flat_wall_does_not_face_itself) {
   enum { N = 15 };
@@ -664,6 +700,8 @@ int main(void) {
   Suite *suite = suite_create("facing");
   TCase *tests = tcase_create("facing");
   tcase_add_test(tests, sides_of_planes);
+  tcase_add_test(tests, facing_takes_both);
+  tcase_add_test(tests, shared_vertices_lie_in_the_plane);
   tcase_add_test(tests, a_flat_wall_does_not_face_itself);
   tcase_add_test(tests, cube_walls_face_the_other_five);
   tcase_add_test(tests, convex_scenes_have_no_shadow);
