@@ -33,13 +33,17 @@ struct rad_scene {
  * Build the scene of a deck and check it.
  *
  * Vertices closer than 1e-10 of the scene's size are one vertex. `side: both` makes two triangles,
- * back to back. Refused: a degenerate triangle, two triangles with the same vertices and the same
- * normal, numbers that are not finite, a normal that is not perpendicular (1e-6), a triangle
- * without rho or emission. Warned: triangles that touch other than in a vertex or a whole edge.
+ * back to back, with consecutive numbers, the front first; a side that is not given is the front.
+ * Normals are the geometric ones, also where the deck gives one. Refused: a degenerate triangle,
+ * two triangles with the same vertices and the same normal, numbers that are not finite, rho
+ * outside 0..1, a normal that is not perpendicular (1e-6), a triangle without rho or emission, a
+ * surface that no triangle names. Warned: triangles that touch other than in a vertex or a whole
+ * edge.
  *
  * @param[out] scene  to be freed with rad_scene_free, also after an error
  * @param[out] notes  warnings are appended
- * @return RAD_OK or RAD_EINPUT; messages start with the deck's path and line
+ * @return RAD_OK, RAD_EINPUT with the deck's path and, if it has one, line; RAD_ESYSTEM without
+ * memory
  */
 enum rad_code rad_scene_build(const struct rad_deck *deck, struct rad_scene *scene,
                               struct rad_notes *notes, struct rad_error *e);
