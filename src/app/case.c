@@ -33,18 +33,33 @@ static enum rad_code refuse_unavailable(const struct rad_case *c, struct rad_err
   return RAD_OK;
 }
 
-/* Sizes of the run; all known before anything is computed. */
+/* Sizes of the run, from counts alone. */
 static void plan(struct rad_case *c) {
-  const struct rad_mesh *m = &c->mesh;
   struct rad_plan *p = &c->plan;
-  p->solver = rad_solver_pick(c->deck.method.solver, m->n_point);
-  p->matrix_bytes = 8.0 * m->n_point * m->n_point;
-  double mesh_bytes = m->n_point * 20.0 + m->n_element * (double)sizeof(struct rad_element);
-  int s = c->deck.output.sampling;
-  double picture = m->n_element * ((s + 1.0) * (s + 1) * (24 + 40) + s * s * 64.0);
-  p->bytes = rad_solver_bytes(p->solver, m->n_point, c->scene.n_band) + mesh_bytes + picture;
+  double elements, n = rad_mesh_count(&c->scene, &c->deck.method, &elements);
+  int s = c->deck.output.sampling, nb = c->scene.n_band;
+  double mesh = n * 20 + elements * (double)sizeof(struct rad_element);
+  double picture = elements * ((s + 1.0) * (s + 1) * (24 + 40.0 * nb) + s * s * 64.0);
+  p->unknowns = n;
+  p->solver = rad_solver_pick(c->deck.method.solver, n);
+  p->matrix_bytes = 8 * n * n;
+  p->bytes = rad_solver_bytes(p->solver, n, nb) + mesh + picture;
   p->available = rad_memory_available();
-  p->pairs = (int64_t)m->n_point * m->n_element;
+  p->pairs = n * elements;
+}
+
+static enum rad_code refuse_too_large(const struct rad_case *c, struct rad_error *e) {
+  const struct rad_plan *p = &c->plan;
+  if (p->bytes <= p->available)
+    return RAD_OK;
+  double gmres = rad_solver_bytes(RAD_SOLVER_GMRES, p->unknowns, c->scene.n_band);
+  const char *advice = p->solver == RAD_SOLVER_LU && gmres < p->available
+                           ? "use method.solver: gmres, which needs half of it"
+                           : "lower method.elements or method.degree, or use a larger machine";
+  return rad_fail(e, RAD_ESYSTEM,
+                  "the run needs %.3g GB of memory for %.0f unknowns, but only %.3g GB are "
+                  "available; %s",
+                  p->bytes / 1e9, p->unknowns, p->available / 1e9, advice);
 }
 
 static enum rad_code count_skipped(struct rad_case *c, struct rad_error *e) {
@@ -56,8 +71,8 @@ static enum rad_code count_skipped(struct rad_case *c, struct rad_error *e) {
   for (int i = 0; i < n; i++)
     for (int j = 0; j < n; j++)
       if (!sees[(size_t)i * n + j]) {
-        int64_t points = m->point_first[i + 1] - m->point_first[i];
-        int64_t elements =
+        double points = m->point_first[i + 1] - m->point_first[i];
+        double elements =
             m->element_first[m->patch_first[j + 1]] - m->element_first[m->patch_first[j]];
         c->plan.skipped += points * elements;
       }
@@ -78,6 +93,10 @@ enum rad_code rad_case_prepare(const char *deck, int n_set, const char *const *s
     code = refuse_shadows(c, e);
   c->seconds_scene = rad_seconds() - start;
   start = rad_seconds();
+  if (!code) {
+    plan(c);
+    code = refuse_too_large(c, e);
+  }
   if (!code)
     code = rad_mesh_build(&c->scene, &c->deck.method, &c->mesh, e);
   if (code)
@@ -85,23 +104,7 @@ enum rad_code rad_case_prepare(const char *deck, int n_set, const char *const *s
   c->seconds_mesh = rad_seconds() - start;
   if ((code = rad_case_check_probes(c, e)))
     return code;
-  plan(c);
   return count_skipped(c, e);
-}
-
-static enum rad_code refuse_too_large(const struct rad_case *c, struct rad_error *e) {
-  const struct rad_plan *p = &c->plan;
-  if (p->bytes <= p->available)
-    return RAD_OK;
-  double gmres = rad_solver_bytes(RAD_SOLVER_GMRES, c->mesh.n_point, c->scene.n_band);
-  const char *advice = p->solver == RAD_SOLVER_LU && gmres < p->available
-                           ? "use method.solver: gmres, which needs half of it"
-                           : "lower method.elements or method.degree, or use a larger machine";
-  return rad_fail(
-      e, RAD_ESYSTEM,
-      "the run needs %.3g GB of memory for %d unknowns, but only %.3g GB are available; "
-      "%s",
-      p->bytes / 1e9, c->mesh.n_point, p->available / 1e9, advice);
 }
 
 /* rho and E at the collocation points. */
@@ -126,10 +129,8 @@ static enum rad_code set_data(struct rad_case *c, struct rad_error *e) {
 
 enum rad_code rad_case_solve(struct rad_case *c, struct rad_error *e) {
   const struct rad_deck_method *m = &c->deck.method;
-  enum rad_code code = refuse_too_large(c, e);
   double start = rad_seconds();
-  if (!code)
-    code = set_data(c, e);
+  enum rad_code code = set_data(c, e);
   if (!code)
     code = rad_rules_build(&c->mesh, m->quadrature_tolerance, &c->rules, e);
   if (!code)

@@ -7,11 +7,12 @@
 #include "system/solve.h"
 
 struct rad_plan {
-  double bytes;           /* memory that the run holds at once */
-  double matrix_bytes;    /* of the matrix alone */
-  double available;       /* memory that there is */
-  double seconds;         /* predicted, whole run */
-  int64_t pairs, skipped; /* point-element pairs; those that see nothing of each other */
+  double bytes;        /* memory that the run holds at once */
+  double matrix_bytes; /* of the matrix alone */
+  double available;    /* memory that there is */
+  double seconds;      /* predicted, whole run */
+  double unknowns;
+  double pairs, skipped; /* point-element pairs; those that see nothing of each other */
   enum rad_solver solver;
 };
 
@@ -29,11 +30,12 @@ struct rad_case {
   double seconds_scene, seconds_mesh, seconds_assemble;
 };
 
-/* deck -> scene -> mesh -> plan; refuses scenes that may have shadows. */
+/* deck -> scene -> plan -> mesh; refuses scenes that may have shadows, and what does not fit into
+ * memory, before anything large is made. */
 enum rad_code rad_case_prepare(const char *deck, int n_set, const char *const *set,
                                struct rad_case *c, struct rad_error *e);
 
-/* Refuses what does not fit into memory, then mesh -> system -> solution. */
+/* mesh -> system -> solution. */
 enum rad_code rad_case_solve(struct rad_case *c, struct rad_error *e);
 
 void rad_case_free(struct rad_case *c); /* safe twice */

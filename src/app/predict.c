@@ -80,7 +80,7 @@ enum rad_code rad_case_predict(struct rad_case *c, struct rad_error *e) {
     int threads =
         omp_get_max_threads() < omp_get_num_procs() ? omp_get_max_threads() : omp_get_num_procs();
     double pair = sample_pairs(c, sees, &scratch, row);
-    c->plan.seconds = pair * (double)(c->plan.pairs - c->plan.skipped) / threads;
+    c->plan.seconds = pair * (c->plan.pairs - c->plan.skipped) / threads;
     double products = c->plan.solver == RAD_SOLVER_NEUMANN ? c->deck.method.bounces : 40;
     c->plan.seconds += c->plan.solver == RAD_SOLVER_LU
                            ? predict_lu(c->mesh.n_point) * c->scene.n_band

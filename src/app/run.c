@@ -136,12 +136,8 @@ enum rad_code rad_app_check(const struct rad_command *command, struct rad_error 
     fprintf(command->out, "  solver   %s\n", solver_name[p->solver]);
     fprintf(command->out,
             "  skipped  %.1f %% of %.4g point-element pairs: coplanar or facing away\n",
-            100.0 * (double)p->skipped / (double)p->pairs, (double)p->pairs);
+            100 * p->skipped / p->pairs, p->pairs);
     fprintf(command->out, "  time     about %.2g s\n", p->seconds);
-    if (p->bytes > p->available)
-      code = rad_fail(e, RAD_ESYSTEM,
-                      "the run would be refused: it needs %.3g GB of memory, %.3g GB are available",
-                      p->bytes / 1e9, p->available / 1e9);
   }
   rad_case_free(&c);
   return code;

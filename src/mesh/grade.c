@@ -7,14 +7,21 @@ static double grid(int i, int n, double p) {
 }
 
 /* Equal parts of one leg of layer i. */
-static int leg(int i, int n, double p) {
+static double leg(int i, int n, double p) {
   double lo = grid(i, n, p), hi = grid(i + 1, n, p);
-  return (int)floor((1 - hi) / (hi - lo) + 0.5);
+  return floor((1 - hi) / (hi - lo) + 0.5);
 }
 
-int rad_grade_count(int n, double p) {
-  int count = 0;
+double rad_grade_count(int n, double p) {
+  double count = 0;
   for (int i = 0; i < n; i++)
+    count += 1 + 2 * leg(i, n, p);
+  return count;
+}
+
+double rad_grade_constants(int n, double p, int constant_layers) {
+  double count = 0;
+  for (int i = 0; i < n && rad_grade_constant(i, n, p, constant_layers); i++)
     count += 1 + 2 * leg(i, n, p);
   return count;
 }
@@ -22,7 +29,7 @@ int rad_grade_count(int n, double p) {
 void rad_grade_fill(int n, double p, struct rad_rectangle *out) {
   for (int i = 0; i < n; i++) {
     double lo = grid(i, n, p), hi = grid(i + 1, n, p);
-    int parts = leg(i, n, p);
+    int parts = (int)leg(i, n, p);
     *out++ = (struct rad_rectangle){{lo, hi}, {lo, hi}, i};
     for (int along_r = 0; along_r < 2; along_r++)
       for (int m = 0; m < parts; m++) {

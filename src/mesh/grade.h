@@ -7,8 +7,11 @@ struct rad_rectangle {
   int layer; /* i of the L-shaped layer */
 };
 
-/* Number of rectangles of P(N,p). */
-int rad_grade_count(int n, double p);
+/* Number of rectangles of P(N,p); may be beyond any int for large p. */
+double rad_grade_count(int n, double p);
+
+/* Number of them that carry constants for i* (3.17). */
+double rad_grade_constants(int n, double p, int constant_layers);
 
 /**
  * The rectangles of P(N,p): layer i = { min(phi, r) in [(i/N)^p, ((i+1)/N)^p] } holds one square

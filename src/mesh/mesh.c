@@ -15,80 +15,106 @@ static int sub_elements(const struct rad_triangle *t, int sub, const struct rad_
   return t->n_elements == 6 ? t->elements[sub] : t->n_elements == 1 ? t->elements[0] : m->elements;
 }
 
-/* Number of patches and elements of one triangle. */
-static void count(const struct rad_triangle *t, const struct rad_deck_method *m, int *n_patch,
-                  double *n_element) {
-  if (m->mesh == RAD_MESH_UNIFORM) {
-    int n = sub_elements(t, 0, m);
-    *n_patch = n * n;
-    *n_element = *n_patch;
-    return;
-  }
-  *n_patch = RAD_N_SUB;
+double rad_mesh_count(const struct rad_scene *scene, const struct rad_deck_method *m,
+                      double *n_element) {
+  double k = m->degree + 1, unknowns = 0;
   *n_element = 0;
-  for (int s = 0; s < RAD_N_SUB; s++) {
-    int n = sub_elements(t, s, m);
-    *n_element +=
-        m->mesh == RAD_MESH_PAPER ? rad_grade_count(n, sub_grading(t, s, m)) : (double)n * n;
+  for (int i = 0; i < scene->n_triangle; i++) {
+    const struct rad_triangle *t = &scene->triangle[i];
+    for (int s = 0; s < (m->mesh == RAD_MESH_UNIFORM ? 1 : RAD_N_SUB); s++) {
+      double n = sub_elements(t, s, m), p = sub_grading(t, s, m), count = n * n, plain = 0;
+      if (m->mesh == RAD_MESH_PAPER) {
+        count = rad_grade_count((int)n, p);
+        plain = rad_grade_constants((int)n, p, m->constant_layers);
+      }
+      double functions = m->mesh == RAD_MESH_UNIFORM && m->degree == 1 ? 3 : k * k;
+      *n_element += count;
+      unknowns += plain + (count - plain) * functions;
+    }
   }
+  return unknowns;
 }
 
-static void add_element(struct rad_mesh *mesh, struct rad_element e) {
+/* Grows an array of n items to hold one more; doubles its room at powers of two. */
+static int grow(void **array, int n, size_t item) {
+  if (n & (n - 1))
+    return 1;
+  void *grown = realloc(*array, (size_t)(n ? 2 * n : 1) * item);
+  *array = grown ? grown : *array;
+  return grown != NULL;
+}
+
+void rad_mesh_add_patch(struct rad_mesh *mesh, const struct rad_patch *patch) {
+  mesh->failed |= !grow((void **)&mesh->patch, mesh->n_patch, sizeof *patch);
+  if (!mesh->failed)
+    mesh->patch[mesh->n_patch++] = *patch;
+}
+
+void rad_mesh_add_element(struct rad_mesh *mesh, struct rad_element e) {
+  mesh->failed |= !grow((void **)&mesh->element, mesh->n_element, sizeof e);
   e.patch = mesh->n_patch - 1;
   e.first = mesh->n_point;
   e.n_function = e.fold ? 3 : e.k_phi * e.k_r;
+  mesh->failed |= mesh->n_point > RAD_MAX_POINT - e.n_function;
+  if (mesh->failed)
+    return;
   mesh->n_point += e.n_function;
   mesh->element[mesh->n_element++] = e;
 }
 
-static void add_paper(struct rad_mesh *mesh, int n, double p, const struct rad_deck_method *m,
-                      struct rad_rectangle *scratch) {
-  int total = rad_grade_count(n, p);
+/* Returns 0 when there is no memory. */
+static int add_paper(struct rad_mesh *mesh, int n, double p, const struct rad_deck_method *m) {
+  int total = (int)rad_grade_count(n, p);
+  struct rad_rectangle *scratch = rad_alloc((size_t)total, sizeof *scratch);
+  if (!scratch)
+    return 0;
   rad_grade_fill(n, p, scratch);
   for (int i = 0; i < total; i++) {
     const struct rad_rectangle *q = &scratch[i];
     int k = rad_grade_constant(q->layer, n, p, m->constant_layers) ? 1 : m->degree + 1;
-    add_element(mesh, (struct rad_element){.sigma = {q->phi[0], q->phi[1]},
-                                           .tau = {q->r[0], q->r[1]},
-                                           .p_phi = 1,
-                                           .p_r = 1,
-                                           .k_phi = k,
-                                           .k_r = k});
+    rad_mesh_add_element(mesh, (struct rad_element){.sigma = {q->phi[0], q->phi[1]},
+                                                    .tau = {q->r[0], q->r[1]},
+                                                    .p_phi = 1,
+                                                    .p_r = 1,
+                                                    .k_phi = k,
+                                                    .k_r = k});
   }
+  free(scratch);
+  return 1;
 }
 
 static void add_graded(struct rad_mesh *mesh, int n, double p, const struct rad_deck_method *m) {
   int k = m->degree + 1;
   for (int j = 0; j < n; j++)
     for (int i = 0; i < n; i++)
-      add_element(mesh, (struct rad_element){.sigma = {(double)i / n, (double)(i + 1) / n},
-                                             .tau = {(double)j / n, (double)(j + 1) / n},
-                                             .p_phi = p,
-                                             .p_r = p,
-                                             .k_phi = k,
-                                             .k_r = k});
+      rad_mesh_add_element(mesh, (struct rad_element){.sigma = {(double)i / n, (double)(i + 1) / n},
+                                                      .tau = {(double)j / n, (double)(j + 1) / n},
+                                                      .p_phi = p,
+                                                      .p_r = p,
+                                                      .k_phi = k,
+                                                      .k_r = k});
 }
 
 /* Red refinement: n rows of small triangles, upright ones and, between them, inverted ones. */
 static void add_uniform(struct rad_mesh *mesh, int triangle, int n, int degree) {
-  for (int j = 0; j < n; j++)
+  for (int j = 0; j < n && !mesh->failed; j++)
     for (int i = 0; i < 2 * (n - j) - 1; i++) {
       int up = i % 2 == 0, c = i / 2;
       double corner[3][2] = {{up ? c : c + 1, j}, {c + 1, up ? j : j + 1}, {c, j + 1}};
       for (int v = 0; v < 3; v++)
         for (int d = 0; d < 2; d++)
           corner[v][d] /= n;
-      rad_patch_plain(mesh->scene, triangle, (const double(*)[2])corner,
-                      &mesh->patch[mesh->n_patch++]);
-      mesh->element_first[mesh->n_patch - 1] = mesh->n_element;
+      struct rad_patch patch;
+      rad_patch_plain(mesh->scene, triangle, (const double(*)[2])corner, &patch);
+      rad_mesh_add_patch(mesh, &patch);
       int k = degree + 1;
-      add_element(mesh, (struct rad_element){.sigma = {0, 1},
-                                             .tau = {0, 1},
-                                             .p_phi = 1,
-                                             .p_r = 1,
-                                             .k_phi = k,
-                                             .k_r = k,
-                                             .fold = degree == 1 ? mesh->fold : NULL});
+      rad_mesh_add_element(mesh, (struct rad_element){.sigma = {0, 1},
+                                                      .tau = {0, 1},
+                                                      .p_phi = 1,
+                                                      .p_r = 1,
+                                                      .k_phi = k,
+                                                      .k_r = k,
+                                                      .fold = degree == 1 ? mesh->fold : NULL});
     }
 }
 
@@ -138,85 +164,86 @@ static void set_fold(struct rad_mesh *mesh) {
   }
 }
 
-static enum rad_code allocate(struct rad_mesh *mesh, double n_element,
-                              const struct rad_deck_method *m, struct rad_error *e) {
-  int n_triangle = mesh->scene->n_triangle;
-  double k = m->degree + 1, n_point = n_element * k * k;
-  if (n_point > 2e9)
-    return rad_fail(e, RAD_EINPUT,
-                    "the mesh would have %.3g unknowns, more than 2e9: lower method.elements, "
-                    "method.grading or method.degree",
-                    n_point);
-  mesh->patch = rad_calloc((size_t)mesh->n_patch, sizeof *mesh->patch);
-  mesh->element = rad_calloc((size_t)n_element, sizeof *mesh->element);
-  mesh->patch_first = rad_calloc((size_t)n_triangle + 1, sizeof(int));
+/* First patches, elements and points of triangles and patches, from the lists. */
+static void set_firsts(struct rad_mesh *mesh) {
+  int n_triangle = mesh->scene->n_triangle, patch = 0, element = 0;
+  for (int t = 0; t <= n_triangle; t++) {
+    while (patch < mesh->n_patch && mesh->patch[patch].triangle < t)
+      patch++;
+    mesh->patch_first[t] = patch;
+  }
+  for (int p = 0; p <= mesh->n_patch; p++) {
+    while (element < mesh->n_element && mesh->element[element].patch < p)
+      element++;
+    mesh->element_first[p] = element;
+  }
+  for (int t = 0; t <= n_triangle; t++) {
+    int e = mesh->element_first[mesh->patch_first[t]];
+    mesh->point_first[t] = e < mesh->n_element ? mesh->element[e].first : mesh->n_point;
+  }
+}
+
+enum rad_code rad_mesh_begin(const struct rad_scene *scene, struct rad_mesh *mesh,
+                             struct rad_error *e) {
+  *mesh = (struct rad_mesh){.scene = scene};
+  enum rad_code code = rad_gauss_init(&mesh->gauss, e);
+  if (!code)
+    set_fold(mesh);
+  return code;
+}
+
+enum rad_code rad_mesh_finish(struct rad_mesh *mesh, struct rad_error *e) {
+  mesh->patch_first = rad_calloc((size_t)mesh->scene->n_triangle + 1, sizeof(int));
   mesh->element_first = rad_calloc((size_t)mesh->n_patch + 1, sizeof(int));
-  mesh->point_first = rad_calloc((size_t)n_triangle + 1, sizeof(int));
-  mesh->point_base = rad_calloc((size_t)n_point, sizeof(int));
-  mesh->point_mu = rad_calloc((size_t)n_point, sizeof *mesh->point_mu);
-  if (!mesh->patch || !mesh->element || !mesh->patch_first || !mesh->element_first ||
-      !mesh->point_first || !mesh->point_base || !mesh->point_mu)
-    return rad_fail_memory(e, "the mesh", n_point * 20 + n_element * sizeof *mesh->element);
+  mesh->point_first = rad_calloc((size_t)mesh->scene->n_triangle + 1, sizeof(int));
+  mesh->point_base = rad_calloc((size_t)mesh->n_point, sizeof(int));
+  mesh->point_mu = rad_calloc((size_t)mesh->n_point, sizeof *mesh->point_mu);
+  if (mesh->failed || !mesh->patch_first || !mesh->element_first || !mesh->point_first ||
+      !mesh->point_base || !mesh->point_mu)
+    return rad_fail_memory(e, "the mesh",
+                           mesh->n_point * 20.0 + mesh->n_element * (double)sizeof *mesh->element);
+  set_firsts(mesh);
+  set_points(mesh);
   return RAD_OK;
 }
 
-static void fill(struct rad_mesh *mesh, const struct rad_deck_method *m,
-                 struct rad_rectangle *scratch) {
-  const struct rad_scene *scene = mesh->scene;
-  mesh->n_patch = 0;
-  for (int i = 0; i < scene->n_triangle; i++) {
-    const struct rad_triangle *t = &scene->triangle[i];
-    mesh->patch_first[i] = mesh->n_patch;
-    mesh->point_first[i] = mesh->n_point;
-    if (m->mesh == RAD_MESH_UNIFORM) {
-      add_uniform(mesh, i, sub_elements(t, 0, m), m->degree);
-      continue;
-    }
-    for (int s = 0; s < RAD_N_SUB; s++) {
-      mesh->element_first[mesh->n_patch] = mesh->n_element;
-      rad_patch_sub_triangle(scene, i, s, m->angle, &mesh->patch[mesh->n_patch++]);
-      if (m->mesh == RAD_MESH_PAPER)
-        add_paper(mesh, sub_elements(t, s, m), sub_grading(t, s, m), m, scratch);
-      else
-        add_graded(mesh, sub_elements(t, s, m), sub_grading(t, s, m), m);
-    }
+/* All patches and elements of one triangle. */
+static void add_triangle(struct rad_mesh *mesh, int i, const struct rad_deck_method *m) {
+  const struct rad_triangle *t = &mesh->scene->triangle[i];
+  if (m->mesh == RAD_MESH_UNIFORM) {
+    add_uniform(mesh, i, sub_elements(t, 0, m), m->degree);
+    return;
   }
-  mesh->patch_first[scene->n_triangle] = mesh->n_patch;
-  mesh->point_first[scene->n_triangle] = mesh->n_point;
-  mesh->element_first[mesh->n_patch] = mesh->n_element;
+  for (int s = 0; s < RAD_N_SUB && !mesh->failed; s++) {
+    struct rad_patch patch;
+    int n = sub_elements(t, s, m);
+    rad_patch_sub_triangle(mesh->scene, i, s, m->angle, &patch);
+    rad_mesh_add_patch(mesh, &patch);
+    if (m->mesh == RAD_MESH_PAPER)
+      mesh->failed |= !add_paper(mesh, n, sub_grading(t, s, m), m);
+    else
+      add_graded(mesh, n, sub_grading(t, s, m), m);
+  }
 }
 
 enum rad_code rad_mesh_build(const struct rad_scene *scene, const struct rad_deck_method *m,
                              struct rad_mesh *mesh, struct rad_error *e) {
   *mesh = (struct rad_mesh){.scene = scene};
   if (m->mesh == RAD_MESH_UNIFORM && m->degree > 1)
-    return rad_fail(
-        e, RAD_EINPUT,
-        "method.degree is %d, but the uniform mesh has degree 0 or 1 only; choose mesh: "
-        "paper or graded for higher degrees",
-        m->degree);
-  enum rad_code code = rad_gauss_init(&mesh->gauss, e);
-  if (code)
-    return code;
-  double n_element = 0, most = 1;
-  for (int i = 0; i < scene->n_triangle; i++) {
-    int n_patch;
-    double n;
-    count(&scene->triangle[i], m, &n_patch, &n);
-    mesh->n_patch += n_patch;
-    n_element += n;
-    most = fmax(most, n);
-  }
-  if ((code = allocate(mesh, n_element, m, e)))
-    return code;
-  struct rad_rectangle *scratch = rad_alloc((size_t)most, sizeof *scratch);
-  if (!scratch)
-    return rad_fail_memory(e, "the mesh", most * sizeof *scratch);
-  set_fold(mesh);
-  fill(mesh, m, scratch);
-  free(scratch);
-  set_points(mesh);
-  return RAD_OK;
+    return rad_fail(e, RAD_EINPUT,
+                    "method.degree is %d, but the uniform mesh has degree 0 or 1 only; choose "
+                    "mesh: paper or graded for higher degrees",
+                    m->degree);
+  double n_element, n_point = rad_mesh_count(scene, m, &n_element);
+  if (n_point > RAD_MAX_POINT)
+    return rad_fail(e, RAD_EINPUT,
+                    "the mesh would have %.3g unknowns, more than %d; lower method.elements, "
+                    "method.grading or method.degree",
+                    n_point, RAD_MAX_POINT);
+  enum rad_code code = rad_mesh_begin(scene, mesh, e);
+  for (int i = 0; i < scene->n_triangle && !code; i++)
+    add_triangle(mesh, i, m);
+  return code ? code : rad_mesh_finish(mesh, e);
 }
 
 void rad_mesh_free(struct rad_mesh *mesh) {

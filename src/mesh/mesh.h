@@ -33,7 +33,22 @@ struct rad_mesh {
   int *point_base;             /* owned [n_point] vertex 0..2 that mu counts from */
   double (*point_mu)[2];       /* owned [n_point] (see rad_patch) */
   double fold[12];             /* of the uniform mesh with degree 1 */
+  int failed;                  /* while building: out of memory */
 };
+
+enum { RAD_MAX_POINT = 2000000000 };
+
+/* Building by hand: begin, then patches in the order of triangles, each followed by its elements
+ * (of which patch, first and n_function are set), then finish. */
+enum rad_code rad_mesh_begin(const struct rad_scene *scene, struct rad_mesh *mesh,
+                             struct rad_error *e);
+void rad_mesh_add_patch(struct rad_mesh *mesh, const struct rad_patch *patch);
+void rad_mesh_add_element(struct rad_mesh *mesh, struct rad_element element);
+enum rad_code rad_mesh_finish(struct rad_mesh *mesh, struct rad_error *e);
+
+/* Unknowns of that mesh, and its elements, counted without building it. */
+double rad_mesh_count(const struct rad_scene *scene, const struct rad_deck_method *method,
+                      double *n_element);
 
 /**
  * Build the mesh that a deck's `method` asks for.

@@ -7,17 +7,17 @@
 #include "base/clock.h"
 #include "base/memory.h"
 
-enum rad_solver rad_solver_pick(enum rad_solver asked, int n) {
+enum rad_solver rad_solver_pick(enum rad_solver asked, double n) {
   if (asked != RAD_SOLVER_AUTO)
     return asked;
   return n <= RAD_LU_UNKNOWNS ? RAD_SOLVER_LU : RAD_SOLVER_GMRES;
 }
 
-double rad_solver_bytes(enum rad_solver used, int n, int n_band) {
-  double matrix = 8.0 * n * n, vectors = 8.0 * n * (6.0 * n_band + 8);
+double rad_solver_bytes(enum rad_solver used, double n, int n_band) {
+  double matrix = 8 * n * n, vectors = 8 * n * (6.0 * n_band + 8);
   if (used == RAD_SOLVER_LU)
     return 2 * matrix + vectors;
-  return matrix + vectors + (used == RAD_SOLVER_GMRES ? 8.0 * n * 52 : 0);
+  return matrix + vectors + (used == RAD_SOLVER_GMRES ? 16 * n * n_band * 42 : 0);
 }
 
 static double max_abs(int n, const double *x) {

@@ -26,10 +26,10 @@ struct rad_solve_report {
 enum { RAD_LU_UNKNOWNS = 2000 }; /* auto: LU up to here, GMRES beyond */
 
 /* The solver that `auto` stands for. */
-enum rad_solver rad_solver_pick(enum rad_solver asked, int n);
+enum rad_solver rad_solver_pick(enum rad_solver asked, double n);
 
 /* Bytes that a run holds at once: the matrix, and LU's copy of it or GMRES's vectors. */
-double rad_solver_bytes(enum rad_solver used, int n, int n_band);
+double rad_solver_bytes(enum rad_solver used, double n, int n_band);
 
 /**
  * Solve for all bands.
