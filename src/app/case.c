@@ -30,6 +30,11 @@ static enum rad_code refuse_unavailable(const struct rad_case *c, struct rad_err
                     "%s: error: method.matrix: hierarchical is not available in this version; use "
                     "dense or auto",
                     c->deck.path);
+  if (c->deck.method.mesh == RAD_MESH_UNIFORM && c->deck.method.degree > 1)
+    return rad_fail(e, RAD_EINPUT,
+                    "%s: error: method.degree is %d, but the uniform mesh has degree 0 or 1 only; "
+                    "choose mesh: paper or graded for higher degrees",
+                    c->deck.path, c->deck.method.degree);
   return RAD_OK;
 }
 
@@ -134,11 +139,11 @@ enum rad_code rad_case_solve(struct rad_case *c, struct rad_error *e) {
   if (!code)
     code = rad_rules_build(&c->mesh, m->quadrature_tolerance, &c->rules, e);
   if (!code)
-    code = rad_dense_assemble(&c->mesh, &c->rules, &c->dense, e);
+    code = rad_dense_assemble(&c->mesh, &c->rules, NULL, &c->dense, e);
   if (code)
     return code;
   c->seconds_assemble = rad_seconds() - start;
-  struct rad_solve_options o = {m->solver, m->solver_tolerance, m->bounces};
+  struct rad_solve_options o = {m->solver, m->solver_tolerance, m->bounces, c->rules.tolerance};
   return rad_solve(&c->dense, &o, c->scene.n_band, c->rho, c->emission, c->u, c->h, &c->report, e);
 }
 

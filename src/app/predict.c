@@ -24,10 +24,10 @@ static double sample_block(struct rad_case *c, int i, int j, struct rad_scratch 
     mu[q][0] = m->point_mu[p][0];
     mu[q][1] = m->point_mu[p][1];
   }
-  struct rad_targets targets = {i, n, base, (const double(*)[2])mu};
+  struct rad_targets targets = {i, n, base, (const double(*)[2])mu, NULL};
   double start = rad_seconds();
   for (int p = m->patch_first[j]; p < m->patch_first[j + 1]; p++)
-    rad_patch_block(m, &c->rules, &targets, p, row, n, scratch);
+    rad_patch_block(m, &c->rules, &targets, p, NULL, row, n, scratch);
   int elements = m->element_first[m->patch_first[j + 1]] - m->element_first[m->patch_first[j]];
   return (rad_seconds() - start) / ((double)n * elements);
 }

@@ -1,5 +1,6 @@
 /* Sensors: where they are in the scene, and u* and the irradiance there. */
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,31 +13,31 @@ struct place {
   double mu[2], off; /* off: distance from the triangle's plane or outside of it, over its size */
 };
 
-/* Barycentric place of a point in a triangle's plane, counted from its nearest vertex. */
+/* Smallest barycentric coordinate of a probe: on an edge it means the limit from inside the face. */
+#define INSIDE 1e-12
+
+/* Barycentric place of a point in a triangle's plane, counted from the vertex that weighs most. */
 static struct place place_in(const struct rad_scene *scene, int triangle, const double at[3]) {
   const struct rad_triangle *t = &scene->triangle[triangle];
   struct place p = {.triangle = triangle};
-  double nearest = INFINITY;
-  for (int c = 0; c < 3; c++) {
-    double d[3];
-    rad_sub(at, t->v[c], d);
-    if (rad_norm(d) < nearest) {
-      nearest = rad_norm(d);
-      p.base = c;
-    }
+  double off[3], weight[3], least = INFINITY;
+  for (int c = 0; c < 3; c++) { /* area of the triangle that the point makes with the other edge */
+    double side[3], d[3], cross[3];
+    rad_sub(t->v[(c + 2) % 3], t->v[(c + 1) % 3], side);
+    rad_sub(at, t->v[(c + 1) % 3], d);
+    rad_cross(side, d, cross);
+    weight[c] = rad_dot(cross, t->normal) / (2 * t->area);
   }
-  double f1[3], f2[3], d[3], n[3], c1[3], c2[3];
-  rad_sub(t->v[(p.base + 1) % 3], t->v[p.base], f1);
-  rad_sub(t->v[(p.base + 2) % 3], t->v[p.base], f2);
-  rad_sub(at, t->v[p.base], d);
-  rad_cross(f1, f2, n);
-  rad_cross(d, f2, c1);
-  rad_cross(f1, d, c2);
-  double nn = rad_dot(n, n), size = sqrt(2 * t->area);
-  p.mu[0] = rad_dot(c1, n) / nn;
-  p.mu[1] = rad_dot(c2, n) / nn;
-  double outside = fmax(fmax(-p.mu[0], -p.mu[1]), p.mu[0] + p.mu[1] - 1);
-  p.off = fmax(fabs(rad_dot(d, t->normal)) / size, fmax(outside, 0));
+  double total = weight[0] + weight[1] + weight[2]; /* 1, or -1 if the normal is the other one */
+  for (int c = 0; c < 3; c++) {
+    weight[c] /= total;
+    least = fmin(least, weight[c]);
+    p.base = weight[c] > weight[p.base] ? c : p.base;
+  }
+  rad_sub(at, t->v[p.base], off);
+  p.mu[0] = fmax(weight[(p.base + 1) % 3], INSIDE);
+  p.mu[1] = fmax(weight[(p.base + 2) % 3], INSIDE);
+  p.off = fmax(fabs(rad_dot(off, t->normal)) / sqrt(2 * t->area), fmax(-least, 0));
   return p;
 }
 
@@ -54,15 +55,18 @@ static enum rad_code locate(const struct rad_case *c, const struct rad_deck_prob
   if (best->off <= 1e-6)
     return RAD_OK;
   const char *where = probe->surface ? probe->surface : "any surface";
+  char line[32] = "";
+  if (probe->line)
+    snprintf(line, sizeof line, "%d:", probe->line);
   if (best->off == INFINITY)
     return rad_fail(e, RAD_EINPUT,
-                    "%s:%d: error: probe %s names the surface '%s', which does not exist; correct "
+                    "%s:%s error: probe %s names the surface '%s', which does not exist; correct "
                     "the name or leave it out",
-                    c->deck.path, probe->line, probe->name, where);
+                    c->deck.path, line, probe->name, where);
   return rad_fail(
       e, RAD_EINPUT,
-      "%s:%d: error: probe %s at (%g, %g, %g) does not lie on %s; move it onto a triangle",
-      c->deck.path, probe->line, probe->name, probe->at[0], probe->at[1], probe->at[2], where);
+      "%s:%s error: probe %s at (%g, %g, %g) does not lie on %s; move it onto a triangle",
+      c->deck.path, line, probe->name, probe->at[0], probe->at[1], probe->at[2], where);
 }
 
 /* Places of all probes; checked before anything is solved. */

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
+#include <sys/stat.h>
 
 #include "app/case.h"
 #include "app/command.h"
@@ -19,7 +19,7 @@ static void print_notes(const struct rad_case *c, FILE *log) {
 
 static void print_head(const struct rad_case *c, FILE *out) {
   const struct rad_deck_method *m = &c->deck.method;
-  fprintf(out, "%s\n", c->deck.title ? c->deck.title : c->deck.path);
+  fprintf(out, "%s\n", c->deck.title[0] ? c->deck.title : c->deck.path);
   fprintf(out, "  scene    %d triangles, %d surfaces, %d band%s\n", c->scene.n_triangle,
           c->scene.n_surface, c->scene.n_band, c->scene.n_band > 1 ? "s" : "");
   fprintf(out, "  mesh     %s, N = %d, p = %g, degree %d: %d elements, %d unknowns\n",
@@ -86,6 +86,27 @@ static void print_solution(const struct rad_case *c, const struct rad_result *r,
           d->seconds_output, r->threads);
 }
 
+/* Writing over the deck would lose it. */
+static enum rad_code refuse_overwrite(const struct rad_case *c, const char *path, struct rad_error *e) {
+  struct stat deck, target;
+  if (stat(c->deck.path, &deck) || stat(path, &target) || deck.st_ino != target.st_ino ||
+      deck.st_dev != target.st_dev)
+    return RAD_OK;
+  return rad_fail(e, RAD_EINPUT, "%s: error: the result would overwrite the deck; give another file by -o",
+                  c->deck.path);
+}
+
+/* What the user should know about a result that is written all the same. */
+static void warn(const struct rad_case *c, FILE *log) {
+  double amplified = c->report.inverse_norm * c->rules.tolerance;
+  if (amplified > 1e-4)
+    fprintf(log,
+            "%s: warning: the scene loses so little light (|inverse| %.2g) that the quadrature "
+            "tolerance %.1g may change the radiosity by %.1g of itself; lower "
+            "method.quadrature_tolerance\n",
+            c->deck.path, c->report.inverse_norm, c->rules.tolerance, amplified);
+}
+
 /* Picture, means and file of a case that has a solution, converged or not. */
 static enum rad_code output(const struct rad_case *c, const struct rad_command *command,
                             double started, struct rad_error *e) {
@@ -108,11 +129,15 @@ enum rad_code rad_app_run(const struct rad_command *command, struct rad_error *e
   enum rad_code code = rad_case_prepare(command->deck, command->n_set, command->set, &c, e);
   print_notes(&c, command->log);
   if (!code) {
+    code = refuse_overwrite(&c, command->output ? command->output : c.deck.output.file, e);
+  }
+  if (!code) {
     if (!command->quiet)
       print_head(&c, command->out);
     code = rad_case_solve(&c, e);
   }
   if (!code) {
+    warn(&c, command->log);
     code = output(&c, command, started, e);
   } else if (code == RAD_ENUMERIC && c.report.iterations > 0 && isfinite(c.report.residual)) {
     struct rad_error second; /* the first error is the one to report */

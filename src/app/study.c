@@ -11,10 +11,13 @@
 #include "base/clock.h"
 #include "base/memory.h"
 
+enum { MAX_TEXT = 1024 };
+
 /* One row of the table. */
 struct row {
   double n;     /* value of the last varied key if it is method.elements, else NAN */
-  double *grid; /* owned: u_h on the comparison grid */
+  double *grid; /* owned [n_grid]: u_h on the comparison grid; NULL if the run failed */
+  size_t n_grid;
   double unknowns, elements, error, ratio, eoc, residual, bytes;
   double seconds_assemble, seconds_factor, seconds_solve, seconds_total;
 };
@@ -24,7 +27,6 @@ struct study {
   struct rad_deck deck;
   int n_row;
   struct row *row; /* owned [n_row + 1]; the last is a named reference */
-  size_t n_grid;
   int threads;
 };
 
@@ -36,15 +38,17 @@ static int value_index(const struct rad_deck_study *s, int i, int v) {
 }
 
 /* Overrides of run i (or of the reference), after those of the command line. */
-static int overrides(const struct study *s, int i, char (*text)[256], const char **set) {
+static int overrides(const struct study *s, int i, char (*text)[MAX_TEXT], const char **set) {
   const struct rad_deck_study *d = &s->deck.study;
   int n = 0, reference = i == s->n_row;
   for (; n < s->command->n_set; n++)
     set[n] = s->command->set[n];
   int n_key = reference ? d->n_reference : d->n_vary;
-  for (int k = 0; k < n_key && n < RAD_MAX_SET; k++) {
+  for (int k = 0; k < n_key; k++) {
     const struct rad_deck_vary *v = reference ? &d->reference[k] : &d->vary[k];
-    snprintf(text[k], 256, "%s=%s", v->key, v->value[reference ? 0 : value_index(d, i, k)]);
+    const char *value = v->value[reference ? 0 : value_index(d, i, k)];
+    if (n == RAD_MAX_SET || snprintf(text[k], MAX_TEXT, "%s=%s", v->key, value) >= MAX_TEXT)
+      return -1;
     set[n++] = text[k];
   }
   return n;
@@ -52,13 +56,21 @@ static int overrides(const struct study *s, int i, char (*text)[256], const char
 
 static enum rad_code run_row(struct study *s, int i, struct rad_error *e) {
   struct row *row = &s->row[i];
-  char(*text)[256] = rad_alloc(RAD_MAX_SET, 256);
+  char(*text)[MAX_TEXT] = rad_alloc(RAD_MAX_SET, MAX_TEXT);
   const char *set[RAD_MAX_SET];
   struct rad_case c = {0};
   double start = rad_seconds();
   if (!text)
-    return rad_fail_memory(e, "the study", RAD_MAX_SET * 256.0);
-  enum rad_code code = rad_case_prepare(s->deck.path, overrides(s, i, text, set), set, &c, e);
+    return rad_fail_memory(e, "the study", RAD_MAX_SET * (double)MAX_TEXT);
+  int n_set = overrides(s, i, text, set);
+  enum rad_code code =
+      n_set >= 0 ? rad_case_prepare(s->deck.path, n_set, set, &c, e)
+                 : rad_fail(e, RAD_EINPUT,
+                            "%s: error: more than %d overrides, or a study value longer than %d "
+                            "characters; give fewer --set options",
+                            s->deck.path, RAD_MAX_SET, MAX_TEXT - 1);
+  for (int n = 0; n < c.notes.n && i == 0; n++)
+    fprintf(s->command->log, "%s\n", c.notes.text[n]);
   if (!code)
     code = rad_case_solve(&c, e);
   if (!code) {
@@ -70,12 +82,12 @@ static enum rad_code run_row(struct study *s, int i, struct rad_error *e) {
     row->seconds_assemble = c.seconds_assemble;
     row->seconds_factor = c.report.seconds_factor;
     row->seconds_solve = c.report.seconds_solve;
-    s->n_grid = rad_grid_size(&c.scene);
-    row->grid = rad_alloc(s->n_grid, sizeof(double));
+    row->n_grid = rad_grid_size(&c.scene);
+    row->grid = rad_alloc(row->n_grid, sizeof(double));
     if (row->grid)
       rad_grid_evaluate(&c, row->grid);
     else
-      code = rad_fail_memory(e, "the comparison grid", 8.0 * (double)s->n_grid);
+      code = rad_fail_memory(e, "the comparison grid", 8.0 * (double)row->n_grid);
   }
   rad_case_free(&c);
   free(text);
@@ -96,14 +108,24 @@ static void compare(struct study *s, int i, double n_reference) {
   now->eoc = rad_eoc(before->n, now->n, n_reference, now->ratio);
 }
 
-static void evaluate(struct study *s) {
+static enum rad_code evaluate(struct study *s, struct rad_error *e) {
   int named = s->deck.study.n_reference > 0, last = named ? s->n_row : s->n_row - 1;
+  for (int i = 0; i < s->n_row; i++)
+    if (!s->row[last].grid || (s->row[i].grid && s->row[i].n_grid != s->row[last].n_grid))
+      return rad_fail(e, s->row[last].grid ? RAD_EINPUT : RAD_ENUMERIC,
+                      s->row[last].grid
+                          ? "%s: error: the runs of a study must share triangles and bands, or "
+                            "their solutions cannot be compared"
+                          : "%s: error: the reference run of the study did not converge",
+                      s->deck.path);
   for (int i = 0; i < s->n_row; i++) {
-    s->row[i].error = 0;
-    for (size_t g = 0; g < s->n_grid; g++)
-      s->row[i].error = fmax(s->row[i].error, fabs(s->row[i].grid[g] - s->row[last].grid[g]));
+    struct row *row = &s->row[i];
+    row->error = row->grid ? 0 : NAN;
+    for (size_t g = 0; row->grid && g < row->n_grid; g++)
+      row->error = fmax(row->error, fabs(row->grid[g] - s->row[last].grid[g]));
     compare(s, i, named ? INFINITY : s->row[last].n);
   }
+  return RAD_OK;
 }
 
 static void print_number(FILE *out, const char *format, double x, int width) {
@@ -182,8 +204,9 @@ static enum rad_code write(const struct study *s, struct rad_error *e) {
                                                 columns[k].description, number[k], NULL};
   }
   char path[4096];
-  const char *file = s->deck.output.file, *dot = strrchr(file, '.');
-  snprintf(path, sizeof path, "%.*s_study.h5", (int)(dot ? dot - file : (long)strlen(file)), file);
+  const char *file = s->deck.output.file, *slash = strrchr(file, '/');
+  const char *name = slash ? slash + 1 : file, *dot = strrchr(name, '.');
+  snprintf(path, sizeof path, "%.*s_study.h5", (int)(dot && dot > name ? dot - file : (long)strlen(file)), file);
   const char *target = s->command->output ? s->command->output : path;
   struct rad_table table = {s->n_row, d->n_vary + N_NUMBER, column};
   if (!code)
@@ -208,7 +231,9 @@ static enum rad_code run_all(struct study *s, struct rad_error *e) {
   int n = s->n_row + (d->n_reference > 0);
   for (int i = 0; i < n; i++) {
     enum rad_code code = run_row(s, i, e);
-    if (code)
+    if (code == RAD_ENUMERIC) /* one run that fails does not lose the others */
+      fprintf(s->command->log, "study, run %d: %s\n", i + 1, e->text);
+    else if (code)
       return code;
     const struct rad_deck_vary *last = &d->vary[d->n_vary - 1];
     s->row[i].n = i < s->n_row && !strcmp(last->key, "method.elements")
@@ -229,8 +254,9 @@ enum rad_code rad_app_study(const struct rad_command *command, struct rad_error 
                  command->deck);
   if (!code)
     code = run_all(&s, e);
+  if (!code)
+    code = evaluate(&s, e);
   if (!code) {
-    evaluate(&s);
     if (!command->quiet)
       print_table(&s, command->out);
     code = write(&s, e);

@@ -6,32 +6,31 @@
 
 #include <stdlib.h>
 
+/* P_n(x), and its derivative in *slope. */
+static long double legendre(int n, long double x, long double *slope) {
+  long double p0 = 1, p1 = x;
+  for (int m = 2; m <= n; m++) {
+    long double p2 = ((2 * m - 1) * x * p1 - (m - 1) * p0) / m;
+    p0 = p1;
+    p1 = p2;
+  }
+  *slope = n * (x * p1 - p0) / (x * x - 1);
+  return p1;
+}
+
 /* Newton in long double: the rules are good to the last bit of double. */
 static void rule(int n, double *node, double *weight) {
   for (int i = 0; i < (n + 1) / 2; i++) {
-    long double x = cosl(3.14159265358979323846L * (i + 0.75L) / (n + 0.5L)), slope = 1;
+    long double x = cosl(3.14159265358979323846L * (i + 0.75L) / (n + 0.5L)), slope;
     for (int step = 0; step < 100; step++) {
-      long double p0 = 1, p1 = x;
-      for (int m = 2; m <= n; m++) {
-        long double p2 = ((2 * m - 1) * x * p1 - (m - 1) * p0) / m;
-        p0 = p1;
-        p1 = p2;
-      }
-      slope = n * (x * p1 - p0) / (x * x - 1);
-      long double dx = p1 / slope;
+      long double value = legendre(n, x, &slope), dx = value / slope;
       x -= dx;
       if (fabsl(dx) < 1e-18L)
         break;
     }
     if (2 * i + 1 == n)
       x = 0;
-    long double p0 = 1, p1 = x;
-    for (int m = 2; m <= n; m++) {
-      long double p2 = ((2 * m - 1) * x * p1 - (m - 1) * p0) / m;
-      p0 = p1;
-      p1 = p2;
-    }
-    slope = n * (x * p1 - p0) / (x * x - 1);
+    legendre(n, x, &slope);
     node[i] = (double)-x;
     node[n - 1 - i] = (double)x;
     weight[i] = weight[n - 1 - i] = (double)(2 / ((1 - x * x) * slope * slope));

@@ -17,24 +17,14 @@ static int batch_size(const struct rad_mesh *mesh) {
   return fit < 1 ? 1 : fit > RAD_BATCH ? RAD_BATCH : (int)fit;
 }
 
-/* h of one batch of points on one triangle. */
-static void batch(const struct rad_mesh *mesh, const struct rad_rules *rules,
-                  const unsigned char *sees, const struct rad_targets *t, int n_band,
-                  const double *u, double *h, struct worker *w) {
-  int n_triangle = mesh->scene->n_triangle, m = t->n;
-  memset(h, 0, sizeof(double) * (size_t)m * (size_t)n_band);
-  for (int j = 0; j < n_triangle; j++) {
-    if (!sees[(size_t)t->triangle * n_triangle + j])
-      continue;
-    for (int p = mesh->patch_first[j]; p < mesh->patch_first[j + 1]; p++)
-      rad_patch_block(mesh, rules, t, p, w->row, m, &w->scratch);
-    for (int c = mesh->point_first[j]; c < mesh->point_first[j + 1]; c++)
-      for (int b = 0; b < n_band; b++) {
-        double uc = u[(size_t)b * mesh->n_point + c];
-        for (int i = 0; i < m; i++)
-          h[i * n_band + b] += w->row[(size_t)c * m + i] * uc;
-      }
-  }
+/* Rows of one batch of points on one triangle. */
+static void fill(const struct rad_mesh *mesh, const struct rad_rules *rules,
+                 const unsigned char *sees, const struct rad_targets *t, struct worker *w) {
+  int n_triangle = mesh->scene->n_triangle;
+  for (int j = 0; j < n_triangle; j++)
+    if (sees[(size_t)t->triangle * n_triangle + j])
+      for (int p = mesh->patch_first[j]; p < mesh->patch_first[j + 1]; p++)
+        rad_patch_block(mesh, rules, t, p, NULL, w->row, t->n, &w->scratch);
 }
 
 /* First points of the batches: runs of one triangle, cut to size. Returns their number. */
@@ -60,9 +50,9 @@ static enum rad_code init_workers(const struct rad_mesh *mesh, int n, int size, 
   return RAD_OK;
 }
 
-enum rad_code rad_irradiance_at(const struct rad_mesh *mesh, const struct rad_rules *rules,
-                                const unsigned char *sees, const struct rad_point_list *p,
-                                int n_band, const double *u, double *h, struct rad_error *e) {
+enum rad_code rad_visit_rows(const struct rad_mesh *mesh, const struct rad_rules *rules,
+                             const unsigned char *sees, const struct rad_point_list *p,
+                             rad_row_visitor *visit, void *context, struct rad_error *e) {
   int n_thread = omp_get_max_threads(), size = batch_size(mesh);
   struct worker *worker = rad_calloc((size_t)n_thread, sizeof *worker);
   int *first = rad_alloc((size_t)p->n + 1, sizeof(int));
@@ -74,12 +64,12 @@ enum rad_code rad_irradiance_at(const struct rad_mesh *mesh, const struct rad_ru
   if (!code) {
     int n = list_batches(p, size, first);
 #pragma omp parallel for schedule(dynamic) default(none)                                           \
-    shared(mesh, rules, sees, p, n_band, u, h, worker, first, n)
+    shared(mesh, rules, sees, p, visit, context, worker, first, n)
     for (int i = 0; i < n; i++) {
-      int at = first[i];
-      struct rad_targets t = {p->triangle[at], first[i + 1] - at, p->base + at, p->mu + at};
-      batch(mesh, rules, sees, &t, n_band, u, h + (size_t)at * n_band,
-            &worker[omp_get_thread_num()]);
+      int at = first[i], thread = omp_get_thread_num();
+      struct rad_targets t = {p->triangle[at], first[i + 1] - at, p->base + at, p->mu + at, NULL};
+      fill(mesh, rules, sees, &t, &worker[thread]);
+      visit(context, thread, at, t.n, worker[thread].row);
     }
   }
   for (int t = 0; worker && t < n_thread; t++) {
@@ -89,4 +79,37 @@ enum rad_code rad_irradiance_at(const struct rad_mesh *mesh, const struct rad_ru
   free(worker);
   free(first);
   return code;
+}
+
+struct irradiance {
+  const struct rad_mesh *mesh;
+  const unsigned char *sees;
+  const int *triangle;
+  int n_band;
+  const double *u;
+  double *h;
+};
+
+static void add_irradiance(void *context, int thread, int first, int m, const double *row) {
+  const struct irradiance *c = context;
+  const struct rad_mesh *mesh = c->mesh;
+  int n_triangle = mesh->scene->n_triangle, nb = c->n_band;
+  double *h = c->h + (size_t)first * nb;
+  (void)thread;
+  memset(h, 0, sizeof(double) * (size_t)m * (size_t)nb);
+  for (int j = 0; j < n_triangle; j++)
+    if (c->sees[(size_t)c->triangle[first] * n_triangle + j])
+      for (int q = mesh->point_first[j]; q < mesh->point_first[j + 1]; q++)
+        for (int b = 0; b < nb; b++) {
+          double uq = c->u[(size_t)b * mesh->n_point + q];
+          for (int i = 0; i < m; i++)
+            h[i * nb + b] += row[(size_t)q * m + i] * uq;
+        }
+}
+
+enum rad_code rad_irradiance_at(const struct rad_mesh *mesh, const struct rad_rules *rules,
+                                const unsigned char *sees, const struct rad_point_list *p,
+                                int n_band, const double *u, double *h, struct rad_error *e) {
+  struct irradiance c = {mesh, sees, p->triangle, n_band, u, h};
+  return rad_visit_rows(mesh, rules, sees, p, add_irradiance, &c, e);
 }

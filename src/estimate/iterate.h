@@ -12,12 +12,25 @@ struct rad_point_list {
   const double (*mu)[2]; /* [n] */
 };
 
+/* What is done with rows of K: `row` holds [m, n_point] column-major, m points from `first` on of
+ * the list; only the columns of triangles that the points' triangle sees are set. */
+typedef void rad_row_visitor(void *context, int thread, int first, int m, const double *row);
+
+/**
+ * Rows of K at points, batch by batch, in parallel; a batch is a run of points of one triangle.
+ *
+ * @param[in]  sees  [n_triangle, n_triangle] of rad_sees
+ * @param      visit called once a batch, from the thread that made it
+ */
+enum rad_code rad_visit_rows(const struct rad_mesh *mesh, const struct rad_rules *rules,
+                             const unsigned char *sees, const struct rad_point_list *points,
+                             rad_row_visitor *visit, void *context, struct rad_error *e);
+
 /**
  * Irradiance h = K u at points, by the integrator that made the matrix, in parallel.
  *
  *   u*(x) = E(x) + rho h(x)                                                          (theory 6.1)
  *
- * @param[in]  sees  [n_triangle, n_triangle] of rad_sees
  * @param[in]  u     [n_band, n_point] radiosity at the collocation points [W/m2]
  * @param[out] h     [n, n_band] [W/m2]
  */

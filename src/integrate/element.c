@@ -30,8 +30,9 @@ enum rad_code rad_scratch_init(const struct rad_mesh *mesh, struct rad_scratch *
   *s = (struct rad_scratch){.far = rad_alloc(most * RAD_TILE, sizeof(double)),
                             .frame = rad_alloc(3 * RAD_BATCH, sizeof(double)),
                             .list = rad_alloc((N_CLASS + 1) * RAD_BATCH, sizeof(int)),
-                            .count = rad_alloc(N_CLASS + 1, sizeof(int))};
-  if (!s->far || !s->frame || !s->list || !s->count)
+                            .count = rad_alloc(N_CLASS + 1, sizeof(int)),
+                            .row = rad_alloc(RAD_BATCH, sizeof(int))};
+  if (!s->far || !s->frame || !s->list || !s->count || !s->row)
     return rad_fail_memory(e, "the integrator", (double)most * RAD_TILE * 8);
   return RAD_OK;
 }
@@ -41,6 +42,7 @@ void rad_scratch_free(struct rad_scratch *s) {
   free(s->frame);
   free(s->list);
   free(s->count);
+  free(s->row);
   *s = (struct rad_scratch){0};
 }
 
@@ -152,11 +154,11 @@ static void far_targets(const struct rad_mesh *mesh, const struct rad_rules *rul
             n, out);
     if (e->fold) {
       for (int i = 0; i < n; i++)
-        store(e, out + i, RAD_TILE, k + list[start + i], ld);
+        store(e, out + i, RAD_TILE, k + s->row[list[start + i]], ld);
     } else {
       for (int b = 0; b < e->n_function; b++)
         for (int i = 0; i < n; i++)
-          k[list[start + i] + ld * (e->first + b)] = out[b * RAD_TILE + i];
+          k[s->row[list[start + i]] + ld * (e->first + b)] = out[b * RAD_TILE + i];
     }
     s->counters.kernel_values +=
         (int64_t)n * rad_order[c->angular[one]] * rad_order[c->radial[one]];
@@ -187,7 +189,7 @@ static void near_targets(const struct rad_mesh *mesh, const struct rad_rules *ru
     else
       for (int b = 0; b < e->k_phi * e->k_r; b++)
         out[b] = 0;
-    store(e, out, 1, k + j, ld);
+    store(e, out, 1, k + s->row[j], ld);
   }
   s->counters.near += n;
   s->counters.kernel_values += w.n_kernel;
@@ -225,8 +227,8 @@ static void element_block(const struct rad_mesh *mesh, const struct rad_rules *r
 }
 
 void rad_patch_block(const struct rad_mesh *mesh, const struct rad_rules *rules,
-                     const struct rad_targets *targets, int patch, double *k, int64_t ld,
-                     struct rad_scratch *s) {
+                     const struct rad_targets *targets, int patch, const unsigned char *wanted,
+                     double *k, int64_t ld, struct rad_scratch *s) {
   const struct rad_scene *scene = mesh->scene;
   const struct rad_triangle *target = &scene->triangle[targets->triangle];
   const struct rad_triangle *source = &scene->triangle[mesh->patch[patch].triangle];
@@ -237,8 +239,10 @@ void rad_patch_block(const struct rad_mesh *mesh, const struct rad_rules *rules,
     rad_view_point(&view, targets->base[i], targets->mu[i], x);
     for (int d = 0; d < 3; d++)
       s->frame[d * RAD_BATCH + i] = x[d];
+    s->row[i] = targets->row ? targets->row[i] : i;
   }
   int cut = rad_side_of(target, source) == RAD_ACROSS;
   for (int i = mesh->element_first[patch]; i < mesh->element_first[patch + 1]; i++)
-    element_block(mesh, rules, i, &view, targets->n, cut, k, ld, s);
+    if (!wanted || wanted[i])
+      element_block(mesh, rules, i, &view, targets->n, cut, k, ld, s);
 }

@@ -11,6 +11,7 @@ struct rad_targets {
   int triangle, n;
   const int *base;       /* [n] */
   const double (*mu)[2]; /* [n] */
+  const int *row;        /* [n] rows of the result, or NULL: 0 .. n-1 */
 };
 
 struct rad_counters {
@@ -24,6 +25,7 @@ struct rad_scratch {
   double *frame; /* owned [3, RAD_BATCH] targets in the frame of the patch */
   int *list;     /* owned [(2 RAD_N_ORDER + 2), RAD_BATCH] targets by rule */
   int *count;    /* owned [2 RAD_N_ORDER + 2] */
+  int *row;      /* owned [RAD_BATCH] rows of the targets */
 };
 
 enum { RAD_BATCH = 512 }; /* most targets at once */
@@ -33,16 +35,17 @@ enum rad_code rad_scratch_init(const struct rad_mesh *mesh, struct rad_scratch *
 void rad_scratch_free(struct rad_scratch *s); /* safe twice */
 
 /**
- * K[i, b] = int G(x_i, y) L_b(y) dS for all trial functions b of one patch (theory 3.3)
+ * K[row i, b] = int G(x_i, y) L_b(y) dS for all trial functions b of one patch (theory 3.3)
  *
  * @param[in]  targets  at most RAD_BATCH
- * @param[out] k        k[i + ld * unknown], written for the unknowns of the patch only
+ * @param[in]  wanted   [mesh->n_element] which elements of the patch, or NULL: all
+ * @param[out] k        k[row + ld * unknown], written for the unknowns of the patch only
  * Every entry to rules->tolerance of the row's sum over its element. Thread-safe with its own
  * scratch; no allocation. Pairs that see nothing of each other are set to 0.
  */
 void rad_patch_block(const struct rad_mesh *mesh, const struct rad_rules *rules,
-                     const struct rad_targets *targets, int patch, double *k, int64_t ld,
-                     struct rad_scratch *s);
+                     const struct rad_targets *targets, int patch, const unsigned char *wanted,
+                     double *k, int64_t ld, struct rad_scratch *s);
 
 /* True if the block of these triangles vanishes: coplanar, or one behind the other. */
 int rad_block_is_zero(const struct rad_scene *scene, int target, int source);

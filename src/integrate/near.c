@@ -19,9 +19,25 @@ static inline double bernstein(double re, double im) {
   return s + sqrt(fmax(s * s - 1, 0));
 }
 
-/* Gauss points so that rho^(-2n + degree) <= tolerance / 100. */
-static inline int points_for(double rho, double degree, double tolerance) {
-  double n = 0.5 * (log(100 / tolerance) / log(rho) + degree) + 1;
+/* Gauss points for [mid - half, mid + half] of a variable in which the integrand is analytic within
+ * the Bernstein ellipse rho, and there at most e^(growth half ((rho' + 1/rho')/2 - 1)) times what it
+ * is on the range, on each smaller ellipse rho' (theory 3.12):
+ *
+ *   rho'^(2n - degree) = 100 / tolerance * that growth, for the rho' <= rho that needs the least n
+ */
+static inline int points_for(double rho, double degree, double growth, double half, double tolerance) {
+  static const double ellipse[] = {1.2, 1.5, 2, 2.7, 3.7, 5.5, 9, 16};
+  static const double log_of[] = {0.18232155679395, 0.40546510810816, 0.69314718055995,
+                                  0.99325177301028, 1.30833281965018, 1.70474809223843,
+                                  2.19722457733622, 2.77258872223978};
+  double digits = log(100 / tolerance), log_rho = log(rho);
+  double least = 0.5 * (digits + growth * half * (0.5 * (rho + 1 / rho) - 1)) / log_rho;
+  for (int i = 0; i < 8 && ellipse[i] < rho; i++) {
+    double e = ellipse[i];
+    double n = 0.5 * (digits + growth * half * (0.5 * (e + 1 / e) - 1)) / log_of[i];
+    least = n < least ? n : least;
+  }
+  double n = least + 0.5 * degree + 1;
   return n < 1000 ? (int)ceil(n) : 1000;
 }
 
@@ -139,11 +155,12 @@ INLINE void along_ray(struct rad_near *w, const struct ray *ray, double *restric
     half = 0.5 * (z1 - z0);
     rho = bernstein(mid / half, 0.5 * M_PI / half);
   }
-  int n = points_for(rho, degree, w->tolerance), parts = 1;
+  double growth = mapped ? 3 : 0; /* 1/cosh^3 falls, its continuation to smaller |z| grows */
+  int n = points_for(rho, degree, growth, half, w->tolerance), parts = 1;
   while (n > MAX_RADIAL) {
     parts *= 2;
     rho = bernstein(0, 0.5 * M_PI / half * parts);
-    n = points_for(rho, degree / parts, w->tolerance);
+    n = points_for(rho, degree / parts, growth, half / parts, w->tolerance);
   }
   double tau[MAX_RADIAL], f[MAX_RADIAL];
   for (int part = 0; part < parts; part++) {
@@ -239,13 +256,13 @@ INLINE void set_ray(const struct rad_near *w, const struct rad_strip *strip, dou
   ray->tau[1] = pow(r_hi, 1 / pr);
 }
 
-/* |t - t_c|^2 for sigma = center + offset, without cancellation when center is the pole itself. */
+/* |t - t_c|^2 from offset = sigma - sigma_c, which the map knows exactly: nothing cancels. For t_c
+ * near the real range; the formula breaks down at t_c = i sqrt(3), where phi_c is infinite. */
 static double distance2(const struct rad_near *w, double sigma, double complex sigma_c,
                         double complex offset, double t, double complex t_c) {
-  double p = w->element->p_phi;
   double complex sum = 1;
   double power = 1;
-  for (int m = 1; m < (int)p; m++) {
+  for (int m = 1; m < (int)w->element->p_phi; m++) {
     power *= sigma;
     sum = sum * sigma_c + power;
   }
@@ -288,7 +305,7 @@ static struct range choose(const struct rad_near *w, double lo, double hi, int n
       rho = fmin(rho, bernstein((creal(z) - r.mid) / r.half, cimag(z) / r.half));
     }
   }
-  r.n = points_for(rho, degree, w->tolerance);
+  r.n = points_for(rho, degree, r.mapped ? 2 : 0, r.half, w->tolerance);
   return r;
 }
 
@@ -299,15 +316,19 @@ static RAD_CLONES void sweep(struct rad_near *w, const struct rad_strip *strip,
   const struct rad_element *e = w->element;
   const double *x = rad_gauss_node(w->gauss, range->n), *wt = rad_gauss_weight(w->gauss, range->n);
   double complex sigma_c = sigma_of(w, t_c);
-  int at_pole = range->mapped && range->re == creal(sigma_c) && range->im == cimag(sigma_c);
+  int at_pole = range->mapped && range->re == creal(sigma_c) && range->im == cimag(sigma_c) &&
+                cimag(t_c) < 0.01;
   for (int i = 0; i < range->n; i++) {
     double z = range->mid + range->half * x[i], sh = sinh(z);
     double sigma = range->mapped ? range->re + range->im * sh : z;
     double slope = range->mapped ? range->im * cosh(z) : 1;
     double t = t_of(w, sigma);
-    double complex offset = at_pole ? range->im * (sh - I) : sigma - sigma_c;
+    double complex dt = t - t_c;
+    double d2 = creal(dt) * creal(dt) + cimag(dt) * cimag(dt);
+    if (at_pole)
+      d2 = distance2(w, sigma, sigma_c, range->im * (sh - I), t, t_c);
     struct ray ray;
-    set_ray(w, strip, t, distance2(w, sigma, sigma_c, offset, t, t_c), q_c, &ray);
+    set_ray(w, strip, t, d2, q_c, &ray);
     double phi_slope = e->p_phi == 1 ? 1 : e->p_phi * pow(sigma, e->p_phi - 1);
     ray.scale *= wt[i] * range->half * slope * phi_slope * rad_angle_dt(w->patch->angle, t);
     double radial[RAD_GAUSS_MAX] = {0}, angular[RAD_GAUSS_MAX];

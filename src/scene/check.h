@@ -11,8 +11,6 @@ struct rad_checked {
   const int *number; /* [n_triangle] 1-based, in deck order; twins are neighbours */
 };
 
-enum { RAD_MAX_CONTACT_NOTES = 20 };
-
 /**
  * Refuse triangle t: "PATH:LINE: error: triangle 3 (floor): " and the formatted rest.
  *
@@ -37,29 +35,12 @@ enum rad_code rad_check_duplicates(const struct rad_checked *c, struct rad_error
 /**
  * Warn of triangles that touch other than in a vertex or a whole edge.
  *
- * Sweep and prune along the axis on which the triangles spread most; n log n and about n^1.5 box
- * tests for a surface of similar triangles. The first RAD_MAX_CONTACT_NOTES pairs in deck order are
- * named, the rest counted.
+ * The first RAD_MAX_CONTACT_NOTES pairs in deck order are named, the rest counted; see contact.h.
  *
  * @param[out] notes  warnings are appended
  * @return RAD_OK, or RAD_ESYSTEM when out of memory
  */
 enum rad_code rad_check_contacts(const struct rad_checked *c, struct rad_notes *notes,
                                  struct rad_error *e);
-
-/**
- * True if triangles a and b come closer than `tolerance` away from the vertices and the edge they
- * share.
- *
- * Shared vertices are those with equal numbers. With none shared: their distance. With one: the
- * distance of either's opposite edge from the other, because two triangles with a common vertex
- * that meet anywhere else meet there too. With two: whether one is folded onto the other. With
- * three: never.
- *
- * @param[in] tolerance  [m]; lowered to 1e-3 of the smaller triangle's height, so that small
- *                       triangles do not touch their neighbours' neighbours
- */
-int rad_triangles_touch(const struct rad_triangle *a, const struct rad_triangle *b,
-                        double tolerance);
 
 #endif

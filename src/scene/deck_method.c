@@ -40,7 +40,7 @@ _Static_assert(RAD_GIVEN_MESH == 1 << MESH && RAD_GIVEN_BOUNCES == 1 << BOUNCES,
 static const struct rad_key method_key[N_KEY] = {
     [MESH] = {.name = "mesh", CHOICE(mesh), .choice = meshes},
     [ELEMENTS] = {.name = "elements", WHOLE(elements), .range = {1, 4096, false}},
-    [GRADING] = {.name = "grading", REAL(grading), .range = {1, 16, false}},
+    [GRADING] = {.name = "grading", REAL(grading), .range = {1, 8, false}},
     [DEGREE] = {.name = "degree", WHOLE(degree), .range = {0, RAD_MAX_DEGREE, false}},
     [ANGLE] = {.name = "angle", CHOICE(angle), .choice = angles},
     [LAYERS] = {.name = "constant_layers", WHOLE(constant_layers), .range = {0, INT_MAX, false}},
@@ -51,7 +51,7 @@ static const struct rad_key method_key[N_KEY] = {
     [SOLVER] = {.name = "solver", CHOICE(solver), .choice = solvers},
     [PRECISION] = {.name = "solver_tolerance",
                    REAL(solver_tolerance),
-                   .range = {1e-16, 1e-1, false}},
+                   .range = {1e-18, 1e-1, false}},
     [BOUNCES] = {.name = "bounces", WHOLE(bounces), .range = {0, 100000, false}},
 };
 

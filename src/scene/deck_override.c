@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "scene/deck_read.h"
 
 /* The keys of study.vary hold dots themselves. */

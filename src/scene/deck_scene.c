@@ -8,7 +8,7 @@
 static const struct rad_range any = {-INFINITY, INFINITY, false};
 static const struct rad_range fraction = {0, 1, false};
 static const struct rad_range not_negative = {0, INFINITY, false};
-static const struct rad_range exponents = {1, 16, false};
+static const struct rad_range exponents = {1, 8, false};
 static const struct rad_range subdivisions = {1, 4096, false};
 
 static const char *const sides[] = {"front", "back", "both", NULL}; /* in the order of rad_side */

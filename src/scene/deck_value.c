@@ -1,46 +1,19 @@
 /* Typed values of a deck: numbers, texts, choices, lists, mappings by table. */
-#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "scene/deck_read.h"
 
 enum { MAX_WORD = 40, MAX_NUMBER = 128 };
-
-static int least(int a, int b) {
-  return a < b ? a : b;
-}
-
-/* Edit distance with neighbours swapped counted once (optimal string alignment), case ignored. */
-static int distance(const char *a, const char *b) {
-  int n = (int)strlen(b), row[3][MAX_WORD + 1];
-  int *before = row[0], *above = row[1], *now = row[2];
-  for (int j = 0; j <= n; j++)
-    above[j] = before[j] = j;
-  for (int i = 1; a[i - 1]; i++) {
-    now[0] = i;
-    for (int j = 1; j <= n; j++) {
-      int p = tolower((unsigned char)a[i - 1]), q = tolower((unsigned char)b[j - 1]);
-      now[j] = least(above[j - 1] + (p != q), least(above[j], now[j - 1]) + 1);
-      if (i > 1 && j > 1 && p == tolower((unsigned char)b[j - 2]) &&
-          tolower((unsigned char)a[i - 2]) == q)
-        now[j] = least(now[j], before[j - 2] + 1);
-    }
-    int *oldest = before;
-    before = above;
-    above = now;
-    now = oldest;
-  }
-  return above[n];
-}
 
 void rad_suggest(const char *word, const char *const *list, char *out, size_t size) {
   size_t length = strlen(word);
   const char *nearest = NULL;
   int near = length <= 3 ? 1 : length <= 7 ? 2 : 3; /* farther is another word, not a slip */
   for (int i = 0; length <= MAX_WORD && list[i]; i++) {
-    int d = distance(word, list[i]);
+    int d = rad_edit_distance(word, list[i], true);
     if (d < near || (d == near && !nearest)) {
       near = d;
       nearest = list[i];

@@ -7,6 +7,8 @@
 
 #include <yaml.h>
 
+#include "base/text.h"
+
 struct rad_yaml_chunk {
   struct rad_yaml_chunk *next;
   size_t used, size;
@@ -80,41 +82,6 @@ bool rad_yaml_is_nothing(const struct rad_yaml_node *node) {
   return !*s || !strcmp(s, "~") || !strcmp(s, "null") || !strcmp(s, "Null") || !strcmp(s, "NULL");
 }
 
-int rad_utf8_decode(const char *p, size_t n, unsigned *code) {
-  const unsigned char *s = (const unsigned char *)p;
-  if (n == 0)
-    return 0;
-  int length = s[0] < 0x80                   ? 1
-               : s[0] >= 0xC2 && s[0] < 0xE0 ? 2
-               : s[0] >= 0xE0 && s[0] < 0xF0 ? 3
-               : s[0] >= 0xF0 && s[0] < 0xF5 ? 4
-                                             : 0;
-  if (length == 0 || (size_t)length > n)
-    return 0;
-  unsigned c = length == 1 ? s[0] : s[0] & (0x7Fu >> length);
-  for (int i = 1; i < length; i++) {
-    if ((s[i] & 0xC0) != 0x80)
-      return 0;
-    c = c << 6 | (s[i] & 0x3Fu);
-  }
-  static const unsigned least[] = {0, 0, 0x80, 0x800, 0x10000};
-  *code = c;
-  return c < least[length] || c > 0x10FFFF || (c >= 0xD800 && c <= 0xDFFF) ? 0 : length;
-}
-
-/* A message is one line of UTF-8, whatever of the user's text it quotes or cuts. */
-static void make_printable(char *text) {
-  size_t n = strlen(text);
-  for (size_t i = 0; i < n;) {
-    unsigned code;
-    int length = rad_utf8_decode(text + i, n - i, &code);
-    if (length == 0 || code < 0x20 || (code >= 0x7F && code < 0xA0))
-      for (int k = 0; k < (length ? length : 1); k++)
-        text[i + (size_t)k] = '?';
-    i += (size_t)(length ? length : 1);
-  }
-}
-
 enum rad_code rad_yaml_fail(struct rad_yaml *y, const struct rad_yaml_node *at, const char *fmt,
                             ...) {
   char what[640], note[sizeof y->blame_note] = "", where[32] = "";
@@ -128,14 +95,14 @@ enum rad_code rad_yaml_fail(struct rad_yaml *y, const struct rad_yaml_node *at, 
       snprintf(where, sizeof where, " (line %d)", at->line);
     at = y->blame;
   }
-  make_printable(what);
-  make_printable(note);
+  rad_make_printable(what);
+  rad_make_printable(note);
   if (at->source == 0)
     return rad_fail(y->e, RAD_EINPUT, "%.400s:%d:%d: error: %s%s%s", y->path, at->line, at->column,
                     note, what, where);
   char set[200];
   snprintf(set, sizeof set, "%s", y->set[at->source - 1]);
-  make_printable(set);
+  rad_make_printable(set);
   return rad_fail(y->e, RAD_EINPUT, "--set %s: error: %s%s%s", set, note, what, where);
 }
 

@@ -62,7 +62,4 @@ struct rad_yaml_node *rad_yaml_node_new(struct rad_yaml *y, const struct rad_yam
 /* Nothing was written: an empty plain scalar, ~ or null. */
 bool rad_yaml_is_nothing(const struct rad_yaml_node *node);
 
-/* Bytes of the UTF-8 character at p, 0 if p[0..n) does not start with one; its number in *code. */
-int rad_utf8_decode(const char *p, size_t n, unsigned *code);
-
 #endif

@@ -20,14 +20,23 @@ struct rad_dense {
   int64_t pairs_skipped; /* pairs of a point and an element that see nothing of each other */
 };
 
+/* What an assembly may take over from the matrix of a mesh before, and what it may leave out. */
+struct rad_reuse {
+  const struct rad_dense *old;  /* NULL: nothing */
+  const int *origin;            /* [n_element] the same element in the old mesh, or -1 */
+  const unsigned char *passive; /* [n_triangle] 1: rows are not needed and stay 0; or NULL */
+};
+
 /**
  * Assemble in parallel. A task is a batch of points of one triangle against one patch; every entry
  * has one writer, so the result is bit-identical for any number of threads.
  *
+ * @param[in]  reuse  or NULL
  * @param[out] dense  to be freed with rad_dense_free, also after an error
  */
 enum rad_code rad_dense_assemble(const struct rad_mesh *mesh, const struct rad_rules *rules,
-                                 struct rad_dense *dense, struct rad_error *e);
+                                 const struct rad_reuse *reuse, struct rad_dense *dense,
+                                 struct rad_error *e);
 void rad_dense_free(struct rad_dense *dense); /* safe twice */
 
 enum { RAD_MAX_PRODUCT = 8 };

@@ -11,7 +11,7 @@ enum { RESTART = 40, MAX_STEPS = 4000 };
 struct krylov {
   struct rad_linear *system;
   int n, step, done;       /* step: of the cycle; -1: the true residual is due */
-  double scale, target;    /* max |emission|; residual to reach */
+  double scale, target;    /* max |u|; residual to reach */
   double before;           /* residual of the last cycle */
   double *basis, *product; /* owned [RESTART + 1, n], [n] */
   const double *next;
@@ -82,6 +82,10 @@ static enum rad_code begin_cycle(struct krylov *s, struct rad_error *e) {
     s->basis[i] = l->emission[i] - l->u[i] + l->rho[i] * s->product[i];
     left = fmax(left, fabs(s->basis[i]));
   }
+  s->scale = 0;
+  for (int i = 0; i < s->n; i++)
+    s->scale = fmax(s->scale, fabs(l->u[i]));
+  s->target = l->tolerance * s->scale;
   s->done = left <= s->target;
   if (s->done)
     return RAD_OK;
@@ -120,16 +124,12 @@ static enum rad_code advance(struct krylov *s, struct rad_error *e) {
   return RAD_OK;
 }
 
-static enum rad_code start(struct krylov *s, int n, double tolerance, struct rad_linear *l,
-                           struct rad_error *e) {
+static enum rad_code start(struct krylov *s, int n, struct rad_linear *l, struct rad_error *e) {
   *s = (struct krylov){.system = l, .n = n, .step = -1, .before = INFINITY, .next = l->u};
   s->basis = rad_alloc((size_t)n * (RESTART + 1), sizeof(double));
   s->product = rad_alloc((size_t)n, sizeof(double));
   if (!s->basis || !s->product)
     return rad_fail_memory(e, "GMRES", 8.0 * n * (RESTART + 2));
-  for (int i = 0; i < n; i++)
-    s->scale = fmax(s->scale, fabs(l->emission[i]));
-  s->target = tolerance * s->scale;
   memcpy(l->u, l->emission, sizeof(double) * (size_t)n);
   l->steps = 0;
   return RAD_OK;
@@ -154,14 +154,14 @@ static int multiply(const struct rad_dense *dense, int n_system, struct krylov *
   return total;
 }
 
-enum rad_code rad_gmres(const struct rad_dense *dense, double tolerance, int n_system,
-                        struct rad_linear *system, struct rad_error *e) {
+enum rad_code rad_gmres(const struct rad_dense *dense, int n_system, struct rad_linear *system,
+                        struct rad_error *e) {
   struct krylov *s = rad_calloc((size_t)n_system, sizeof *s);
   if (!s)
     return rad_fail_memory(e, "GMRES", (double)n_system * sizeof *s);
   enum rad_code code = RAD_OK;
   for (int i = 0; i < n_system && !code; i++)
-    code = start(&s[i], dense->n, tolerance, &system[i], e);
+    code = start(&s[i], dense->n, &system[i], e);
   while (!code && multiply(dense, n_system, s))
     for (int i = 0; i < n_system && !code; i++)
       if (!s[i].done)

@@ -23,7 +23,8 @@ double rad_solver_bytes(enum rad_solver used, double n, int n_band) {
 static double max_abs(int n, const double *x) {
   double most = 0;
   for (int i = 0; i < n; i++)
-    most = fmax(most, fabs(x[i]));
+    if (!(fabs(x[i]) <= most)) /* a NaN stays */
+      most = fabs(x[i]);
   return most;
 }
 
@@ -69,7 +70,7 @@ static int find_closed_white(const struct rad_dense *dense, const double *rho, c
 
 /* kappa, and refusal of scenes where light is never lost. */
 static enum rad_code check_contraction(const struct rad_dense *dense, const double *rho,
-                                       double *kappa, struct rad_error *e) {
+                                       double quadrature, double *kappa, struct rad_error *e) {
   int n = dense->n, n_triangle = dense->mesh->scene->n_triangle, white = -1;
   double *one = rad_alloc((size_t)n, 2 * sizeof(double));
   int *parent = rad_alloc((size_t)n_triangle, sizeof(int));
@@ -84,8 +85,9 @@ static enum rad_code check_contraction(const struct rad_dense *dense, const doub
   rad_dense_apply(dense, 1, (const double *const[]){one}, &k1);
   for (int i = 0; i < n; i++)
     *kappa = fmax(*kappa, rho[i] * k1[i]);
-  if (*kappa > 1 - 1e-4)
-    white = find_closed_white(dense, rho, k1, 1e-6, parent);
+  double slack = fmax(1e-6, 20 * quadrature);
+  if (*kappa > 1 - slack)
+    white = find_closed_white(dense, rho, k1, slack, parent);
   free(one);
   free(parent);
   if (white < 0)
@@ -125,9 +127,11 @@ static enum rad_code gmres(const struct rad_dense *dense, double tolerance, int 
     one[i] = 1;
   for (int b = 0; b < n_band; b++) {
     system[b] = band[b];
-    system[n_band + b] = (struct rad_linear){band[b].rho, one, w + (size_t)b * (size_t)dense->n, 0};
+    system[b].tolerance = tolerance;
+    system[n_band + b] =
+        (struct rad_linear){band[b].rho, one, w + (size_t)b * (size_t)dense->n, tolerance, 0};
   }
-  enum rad_code code = rad_gmres(dense, tolerance, 2 * n_band, system, e);
+  enum rad_code code = rad_gmres(dense, 2 * n_band, system, e);
   for (int b = 0; b < n_band; b++)
     report->iterations =
         report->iterations > system[b].steps ? report->iterations : system[b].steps;
@@ -163,8 +167,8 @@ enum rad_code rad_solve(const struct rad_dense *dense, const struct rad_solve_op
   enum rad_code code = RAD_OK;
   for (int b = 0; b < n_band && !code; b++) {
     size_t at = (size_t)b * n;
-    band[b] = (struct rad_linear){rho + at, emission + at, u + at, 0};
-    code = check_contraction(dense, band[b].rho, &report->kappa, e);
+    band[b] = (struct rad_linear){rho + at, emission + at, u + at, 0, 0};
+    code = check_contraction(dense, band[b].rho, options->quadrature, &report->kappa, e);
   }
   if (!code) {
     code = dispatch(dense, options, n_band, band, work, work + n, report, e);

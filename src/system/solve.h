@@ -6,8 +6,9 @@
 
 struct rad_solve_options {
   enum rad_solver solver;
-  double tolerance; /* max-norm residual over max |E| (gmres) */
-  int bounces;      /* neumann */
+  double tolerance;  /* max-norm residual over max |u| (gmres) */
+  int bounces;       /* neumann */
+  double quadrature; /* tolerance of the matrix entries: how far a closed row sum may be from 1 */
 };
 
 /* What a solve says of itself; worst over the bands. */
@@ -16,7 +17,7 @@ struct rad_solve_report {
   int iterations;         /* GMRES steps or bounces; 0 for LU */
   int converged;
   double kappa;        /* max rho K1 over the collocation points */
-  double inverse_norm; /* max norm of (I - diag(rho) K)^{-1} = max w, w of (5.2); NAN: Neumann */
+  double inverse_norm; /* max w, w of (5.2): norm of the inverse operator; NAN: Neumann */
   double residual;     /* max |E - u + rho K u| [W/m2] */
   double condition_estimate; /* max norm, dgecon; NAN without LU */
   double remainder;          /* Neumann: bound of the bounces left out [W/m2]; 0 otherwise */
@@ -47,6 +48,7 @@ enum rad_code rad_solve(const struct rad_dense *dense, const struct rad_solve_op
 struct rad_linear {
   const double *rho, *emission; /* [n] */
   double *u;                    /* out [n] */
+  double tolerance;             /* GMRES: of the max-norm residual over max |u| */
   int steps;                    /* out: GMRES steps */
 };
 
@@ -57,10 +59,10 @@ enum rad_code rad_lu(const struct rad_dense *dense, const struct rad_linear *sys
 /**
  * Restarted GMRES for several systems, whose products with K are taken in one pass.
  *
- * Each ends when its true residual, recomputed from K, is below tolerance times max |emission|.
+ * Each ends when its true residual, recomputed from K, is below its tolerance times max |u|.
  */
-enum rad_code rad_gmres(const struct rad_dense *dense, double tolerance, int n_system,
-                        struct rad_linear *system, struct rad_error *e);
+enum rad_code rad_gmres(const struct rad_dense *dense, int n_system, struct rad_linear *system,
+                        struct rad_error *e);
 
 /* r = E - u + rho K u, its largest entry; h = K u. All [n]. */
 double rad_residual(const struct rad_dense *dense, const double *rho, const double *emission,

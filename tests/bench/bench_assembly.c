@@ -8,26 +8,11 @@
 #include <omp.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/clock.h"
 #include "base/memory.h"
+#include "surface_s1.h"
 #include "system/dense.h"
-
-static void make_s1(struct rad_triangle tri[3], struct rad_scene *scene) {
-  static const double v[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  static const int corner[3][3] = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}};
-  memset(tri, 0, 3 * sizeof *tri);
-  for (int t = 0; t < 3; t++) {
-    for (int c = 0; c < 3; c++) {
-      memcpy(tri[t].v[c], v[corner[t][c]], sizeof v[0]);
-      tri[t].vertex[c] = corner[t][c];
-    }
-    tri[t].normal[t == 0 ? 2 : t - 1] = 1;
-    tri[t].area = 0.5;
-  }
-  *scene = (struct rad_scene){.n_triangle = 3, .n_vertex = 4, .n_band = 1, .triangle = tri};
-}
 
 static int ascending(const void *a, const void *b) {
   double x = *(const double *)a, y = *(const double *)b;
@@ -44,7 +29,7 @@ static double assemble(const struct rad_mesh *mesh, const struct rad_rules *rule
   struct rad_error e;
   omp_set_num_threads(threads);
   double start = rad_seconds();
-  if (rad_dense_assemble(mesh, rules, dense, &e)) {
+  if (rad_dense_assemble(mesh, rules, NULL, dense, &e)) {
     fprintf(stderr, "%s\n", e.text);
     exit(e.code);
   }

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "scene_text.h"
+#include "suite.h"
 
 static const double rho_mixed[6] = {0.1, 0.9, 0.3, 0.5, 0.7, 0.2};
 
@@ -32,19 +33,24 @@ static void all_one(const struct rad_case *c) {
   ck_assert_msg(worst <= 1e-10, "largest |u - 1| is %g", worst);
 }
 
+/* Solve the deck's scene by this method, expect u = 1, and free the deck. */
+static void solve_to_one(struct deck_text *d, const char *method) {
+  struct rad_case c;
+  deck_add(d, "method: %s\n", method);
+  solve(d, &c);
+  all_one(&c);
+  rad_case_free(&c);
+  free(d);
+}
+
 START_TEST(closed_cube) {
   struct deck_text *d = malloc(sizeof *d);
-  struct rad_case c;
   double emission[6];
   for (int f = 0; f < 6; f++)
     emission[f] = 1 - rho_mixed[f];
   deck_begin(d);
   deck_cube(d, rho_mixed, emission);
-  deck_add(d, "method: %s\n", methods[_i]);
-  solve(d, &c);
-  all_one(&c);
-  rad_case_free(&c);
-  free(d);
+  solve_to_one(d, methods[_i]);
 }
 END_TEST
 
@@ -63,14 +69,9 @@ static void tetrahedron(struct deck_text *d, const double rho[4], const double e
 START_TEST(closed_tetrahedron) {
   static const double rho[4] = {0.2, 0.95, 0, 0.6}, emission[4] = {0.8, 0.05, 1, 0.4};
   struct deck_text *d = malloc(sizeof *d);
-  struct rad_case c;
   deck_begin(d);
   tetrahedron(d, rho, emission);
-  deck_add(d, "method: %s\n", methods[_i]);
-  solve(d, &c);
-  all_one(&c);
-  rad_case_free(&c);
-  free(d);
+  solve_to_one(d, methods[_i]);
 }
 END_TEST
 
@@ -179,9 +180,5 @@ int main(void) {
   tcase_add_loop_test(c, closed_and_white, 0, 3);
   tcase_add_test(c, almost_white);
   suite_add_tcase(s, c);
-  SRunner *r = srunner_create(s);
-  srunner_run_all(r, CK_NORMAL);
-  int failed = srunner_ntests_failed(r);
-  srunner_free(r);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return run_suite(s);
 }

@@ -8,6 +8,7 @@
 
 #include "app/command.h"
 #include "app/grid.h"
+#include "suite.h"
 
 #ifndef POLYRAD_INPUTS
 #error "POLYRAD_INPUTS: the folder of the decks"
@@ -79,9 +80,5 @@ int main(void) {
   tcase_add_test(c, cube_corner_without_grading);
   tcase_add_test(c, order_formula);
   suite_add_tcase(s, c);
-  SRunner *r = srunner_create(s);
-  srunner_run_all(r, CK_NORMAL);
-  int failed = srunner_ntests_failed(r);
-  srunner_free(r);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return run_suite(s);
 }

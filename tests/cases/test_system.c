@@ -9,6 +9,7 @@
 
 #include "base/vec.h"
 #include "scene_text.h"
+#include "suite.h"
 
 static const double rho[6] = {0.1, 0.9, 0.3, 0.5, 0.7, 0.2}, emission[6] = {0, 1, 0.2, 0, 3, 0.5};
 
@@ -155,9 +156,5 @@ int main(void) {
   tcase_add_loop_test(c, solvers_agree, 0, N_METHOD);
   tcase_add_loop_test(c, bands, 0, 2);
   suite_add_tcase(s, c);
-  SRunner *r = srunner_create(s);
-  srunner_run_all(r, CK_NORMAL);
-  int failed = srunner_ntests_failed(r);
-  srunner_free(r);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return run_suite(s);
 }

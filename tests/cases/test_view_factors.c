@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "scene_text.h"
+#include "suite.h"
 
 /* Graded: the irradiance has no Taylor series at edges that touch the source. Two elements a
  * direction where it changes within a tenth of the target. */
@@ -132,9 +133,5 @@ int main(void) {
   tcase_add_test(c, other_shapes);
   tcase_add_test(c, points);
   suite_add_tcase(s, c);
-  SRunner *r = srunner_create(s);
-  srunner_run_all(r, CK_NORMAL);
-  int failed = srunner_ntests_failed(r);
-  srunner_free(r);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return run_suite(s);
 }

@@ -8,6 +8,7 @@
 #include "base/vec.h"
 #include "integrate/element.h"
 #include "oracle.h"
+#include "suite.h"
 
 /* Two triangles with whole-number corners: all differences, halves and thirds are exact. */
 struct pair {
@@ -109,12 +110,12 @@ static double point_error(const struct rad_mesh *mesh, double tolerance, int bas
   ck_assert_int_eq(rad_rules_build(mesh, tolerance, &rules, &err), RAD_OK);
   ck_assert_int_eq(rad_scratch_init(mesh, &scratch, &err), RAD_OK);
   double *row = calloc((size_t)mesh->n_point, sizeof *row);
-  struct rad_targets targets = {0, 1, &base, (const double(*)[2])mu};
+  struct rad_targets targets = {0, 1, &base, (const double(*)[2])mu, NULL};
   struct oracle_point x = to_point(&scene->triangle[0], base, mu);
   double worst = 0, sum = (double)oracle_lambert(&x, 3, (const double(*)[3])scene->triangle[1].v,
                                                  scene->triangle[1].normal);
   for (int p = mesh->patch_first[1]; p < mesh->patch_first[2]; p++) {
-    rad_patch_block(mesh, &rules, &targets, p, row, 1, &scratch);
+    rad_patch_block(mesh, &rules, &targets, p, NULL, row, 1, &scratch);
     for (int i = mesh->element_first[p]; i < mesh->element_first[p + 1]; i++) {
       const struct rad_element *e = &mesh->element[i];
       struct oracle_element o = to_element(&scene->triangle[1], e, p - mesh->patch_first[1],
@@ -224,9 +225,5 @@ int main(void) {
   tcase_add_loop_test(c, inside_at_every_tolerance, 0, N_PAIR);
   tcase_add_loop_test(c, near_edges_and_vertices, 0, N_PAIR);
   suite_add_tcase(s, c);
-  SRunner *r = srunner_create(s);
-  srunner_run_all(r, CK_NORMAL);
-  int failed = srunner_ntests_failed(r);
-  srunner_free(r);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return run_suite(s);
 }

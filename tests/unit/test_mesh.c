@@ -7,22 +7,8 @@
 
 #include "mesh/grade.h"
 #include "mesh/mesh.h"
-
-/* Surface S1 of the paper. */
-static void make_s1(struct rad_triangle tri[3], struct rad_scene *scene) {
-  static const double v[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  static const int corner[3][3] = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}};
-  memset(tri, 0, 3 * sizeof *tri);
-  for (int t = 0; t < 3; t++) {
-    for (int c = 0; c < 3; c++) {
-      memcpy(tri[t].v[c], v[corner[t][c]], sizeof v[0]);
-      tri[t].vertex[c] = corner[t][c];
-    }
-    tri[t].normal[t == 0 ? 2 : t - 1] = 1;
-    tri[t].area = 0.5;
-  }
-  *scene = (struct rad_scene){.n_triangle = 3, .n_vertex = 4, .n_band = 1, .triangle = tri};
-}
+#include "suite.h"
+#include "surface_s1.h"
 
 static int unknowns(const struct rad_scene *scene, struct rad_deck_method m) {
   struct rad_mesh mesh;
@@ -208,9 +194,5 @@ int main(void) {
   tcase_add_loop_test(c, evaluates, 0, 5);
   tcase_add_test(c, uniform_degree_is_refused);
   suite_add_tcase(s, c);
-  SRunner *r = srunner_create(s);
-  srunner_run_all(r, CK_NORMAL);
-  int failed = srunner_ntests_failed(r);
-  srunner_free(r);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return run_suite(s);
 }

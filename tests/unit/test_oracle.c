@@ -3,6 +3,7 @@
  * of unity, and its own convergence. Random cases print their seed.
  */
 #include "oracle.h"
+#include "suite.h"
 
 #include <check.h>
 #include <math.h>
@@ -450,9 +451,5 @@ int main(void) {
   tcase_add_test(group, test_halves);
   tcase_add_test(group, test_unseen_and_touching);
   suite_add_tcase(suite, group);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed != 0;
+  return run_suite(suite);
 }

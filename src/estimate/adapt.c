@@ -1,0 +1,212 @@
+#include "estimate/adapt.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "base/memory.h"
+
+enum { MAX_LEVEL = 40, CHECK = 5 };
+
+/* d is seen through a finer mesh and at check points only: what they may miss. */
+#define SAFETY 1.5
+
+/* Parts of the tolerance that quadrature and solver may use up. */
+#define QUADRATURE_PART 0.02
+#define SOLVER_PART 0.01
+
+static void free_level(struct rad_adaptive *a) {
+  rad_dense_free(&a->dense);
+  rad_rules_free(&a->rules);
+  if (a->mesh)
+    rad_mesh_free(a->mesh);
+  free(a->mesh);
+  free(a->rho);
+  free(a->emission);
+  free(a->u);
+  free(a->h);
+  rad_indicator_free(&a->indicator);
+  a->mesh = NULL;
+  a->rho = a->emission = a->u = a->h = NULL;
+}
+
+void rad_adaptive_free(struct rad_adaptive *a) {
+  free_level(a);
+  rad_layout_free(&a->layout);
+  *a = (struct rad_adaptive){0};
+}
+
+/* rho and E at the collocation points. */
+static enum rad_code set_data(const struct rad_scene *s, struct rad_adaptive *a, struct rad_error *e) {
+  const struct rad_mesh *m = a->mesh;
+  size_t n = (size_t)m->n_point, total = n * (size_t)s->n_band;
+  a->rho = rad_alloc(total, sizeof(double));
+  a->emission = rad_alloc(total, sizeof(double));
+  a->u = rad_calloc(total, sizeof(double));
+  a->h = rad_calloc(total, sizeof(double));
+  if (!a->rho || !a->emission || !a->u || !a->h)
+    return rad_fail_memory(e, "the solution", 32.0 * (double)total);
+  for (int t = 0; t < s->n_triangle; t++)
+    for (int p = m->point_first[t]; p < m->point_first[t + 1]; p++)
+      for (int b = 0; b < s->n_band; b++) {
+        a->rho[(size_t)b * n + (size_t)p] = s->rho[t * s->n_band + b];
+        a->emission[(size_t)b * n + (size_t)p] = rad_emission(s, t, b, m->point_base[p], m->point_mu[p]);
+      }
+  return RAD_OK;
+}
+
+static double quadrature_tolerance(const struct rad_goal *g) {
+  return g->quadrature_tolerance > 0 ? g->quadrature_tolerance
+                                     : fmax(QUADRATURE_PART * g->tolerance, 1e-13);
+}
+
+/* Mesh, matrix and solution of the present layout; blocks that did not change come from `before`. */
+static enum rad_code solve_level(const struct rad_scene *scene, const struct rad_goal *g,
+                                 const struct rad_adaptive *before, struct rad_adaptive *a,
+                                 struct rad_error *e) {
+  double start = rad_seconds();
+  int *origin = rad_alloc((size_t)a->layout.n_leaf, sizeof(int));
+  a->mesh = rad_calloc(1, sizeof *a->mesh);
+  if (!origin || !a->mesh) {
+    free(origin);
+    return rad_fail_memory(e, "the mesh", 0);
+  }
+  for (int i = 0; i < a->layout.n_leaf; i++)
+    origin[i] = a->layout.leaf[i].origin;
+  enum rad_code code = rad_layout_mesh(&a->layout, 0, a->mesh, e);
+  if (!code)
+    code = rad_rules_build(a->mesh, quadrature_tolerance(g), &a->rules, e);
+  struct rad_reuse reuse = {before->mesh ? &before->dense : NULL, origin, a->layout.passive};
+  if (!code)
+    code = rad_dense_assemble(a->mesh, &a->rules, &reuse, &a->dense, e);
+  free(origin);
+  a->seconds_assemble += rad_seconds() - start;
+  if (!code)
+    code = set_data(scene, a, e);
+  struct rad_solve_options o = {g->solver, g->solver_tolerance, 0, a->rules.tolerance};
+  if (o.tolerance == 0)
+    o.tolerance = fmax(SOLVER_PART * g->tolerance, 1e-14);
+  return code ? code
+              : rad_solve(&a->dense, &o, scene->n_band, a->rho, a->emission, a->u, a->h, &a->report, e);
+}
+
+/* |u - u*| <= (|rho K d| + |rho (K - K_h) u*| + residual) max w (theory 6.3). */
+static void set_bound(const struct rad_goal *g, struct rad_adaptive *a) {
+  double least = INFINITY;
+  for (int b = 0; b < a->layout.scene->n_band; b++)
+    if (a->indicator.scale[b] > 0)
+      least = fmin(least, a->indicator.scale[b]);
+  double residual = isinf(least) ? 0 : a->report.residual / least;
+  a->bound = (SAFETY * a->indicator.worst + 2 * quadrature_tolerance(g) + residual) *
+             fmax(a->report.inverse_norm, 1);
+}
+
+/* Degrees to add in one direction, or a split: what reduces its tail by `factor` at less cost. */
+static void refine_direction(double factor, double rate, int *k, int *split) {
+  double more = log(factor) / fmax(rate, 1e-3);
+  if ((*k >= 6 && more > 0.8 * *k) || *k >= RAD_MAX_POINTS_1D) {
+    *split = 1;
+    return;
+  }
+  int add = (int)ceil(fmin(fmax(more, 1), 4));
+  *k = *k + add < RAD_MAX_POINTS_1D ? *k + add : RAD_MAX_POINTS_1D;
+}
+
+static enum rad_code refine(const struct rad_goal *g, struct rad_adaptive *a, struct rad_error *e) {
+  struct rad_layout *l = &a->layout;
+  const struct rad_indicator *x = &a->indicator;
+  struct rad_refinement *what = rad_calloc((size_t)l->n_leaf, sizeof *what);
+  if (!what)
+    return rad_fail_memory(e, "the refinement", (double)l->n_leaf * sizeof *what);
+  double share = 0.8 * g->tolerance / (SAFETY * fmax(a->report.inverse_norm, 1) * x->spread);
+  for (int i = 0; i < l->n_leaf; i++) {
+    const struct rad_leaf *f = &l->leaf[i];
+    struct rad_refinement *w = &what[i];
+    *w = (struct rad_refinement){.k_phi = f->k_phi, .k_r = f->k_r};
+    double factor = x->part[i] / share, most = fmax(x->tail_phi[i], x->tail_r[i]);
+    if (l->passive[l->patch[f->patch].triangle] || factor <= 1)
+      continue;
+    if (x->tail_phi[i] >= 0.25 * most)
+      refine_direction(1.3 * factor, x->rate_phi[i], &w->k_phi, &w->split_phi);
+    if (x->tail_r[i] >= 0.25 * most)
+      refine_direction(1.3 * factor, x->rate_r[i], &w->k_r, &w->split_r);
+  }
+  enum rad_code code = rad_layout_refine(l, what, e);
+  free(what);
+  return code;
+}
+
+/* Unknowns of the present layout. */
+static double unknowns(const struct rad_layout *l) {
+  double n = 0;
+  for (int i = 0; i < l->n_leaf; i++)
+    n += (double)l->leaf[i].k_phi * l->leaf[i].k_r;
+  return n;
+}
+
+/* Bytes of the level to come beside the one that lends its blocks. */
+static double bytes(const struct rad_goal *g, const struct rad_layout *l, double before) {
+  double n = unknowns(l);
+  return rad_solver_bytes(rad_solver_pick(g->solver, n), n, l->scene->n_band) + 8 * before * before;
+}
+
+/* One level: solve and estimate. The level before is freed once its blocks are taken over. */
+static enum rad_code level(const struct rad_scene *scene, const struct rad_goal *g,
+                           struct rad_adaptive *a, struct rad_error *e) {
+  struct rad_adaptive before = *a;
+  a->mesh = NULL;
+  a->dense = (struct rad_dense){0};
+  a->rules = (struct rad_rules){0};
+  a->indicator = (struct rad_indicator){0};
+  a->rho = a->emission = a->u = a->h = NULL;
+  a->seconds_assemble = a->seconds_estimate = 0;
+  enum rad_code code = solve_level(scene, g, &before, a, e);
+  free_level(&before);
+  double start = rad_seconds();
+  if (!code)
+    code = rad_indicate(&a->layout, a->mesh, &a->rules, a->dense.sees, a->u, CHECK, &a->indicator, e);
+  a->seconds_estimate = rad_seconds() - start;
+  if (!code)
+    set_bound(g, a);
+  a->levels++;
+  return code;
+}
+
+enum rad_code rad_adapt(const struct rad_scene *scene, const struct rad_goal *g,
+                        struct rad_adaptive *a, struct rad_error *e) {
+  *a = (struct rad_adaptive){0};
+  double start = rad_seconds(), began = start, least = INFINITY;
+  int stuck = 0;
+  unsigned char *sees = rad_sees(scene);
+  enum rad_code code = sees ? rad_layout_begin(scene, sees, g->tolerance, &a->layout, e)
+                            : rad_fail_memory(e, "the table of facing triangles", 0);
+  free(sees);
+  while (!code) {
+    began = rad_seconds();
+    if ((code = level(scene, g, a, e)))
+      break;
+    if (getenv("RAD_TRACE"))
+      fprintf(stderr, "level %d: %d elements %d unknowns, |Kd| %.2e |d| %.2e w %.3f bound %.2e spread %.1f, assemble %.3f solve %.3f estimate %.3f\n",
+              a->levels, a->mesh->n_element, a->mesh->n_point, a->indicator.worst, a->indicator.change, a->report.inverse_norm, a->bound, a->indicator.spread, a->seconds_assemble, a->report.seconds_solve+a->report.seconds_factor, a->seconds_estimate);
+    if (a->bound <= g->tolerance)
+      break;
+    stuck = a->bound < 0.7 * least ? 0 : stuck + 1;
+    least = fmin(least, a->bound);
+    double n = a->mesh->n_point;
+    if (stuck == 6 || a->levels == MAX_LEVEL) {
+      snprintf(a->reason, sizeof a->reason, "refinement no longer lowers the bound: rounding or the inner tolerances are in the way");
+      break;
+    }
+    if ((code = refine(g, a, e)))
+      break;
+    if (bytes(g, &a->layout, n) > g->memory) {
+      snprintf(a->reason, sizeof a->reason, "the next level, with %.0f unknowns, needs %.3g GB of memory and %.3g GB are available",
+               unknowns(&a->layout), bytes(g, &a->layout, n) / 1e9, g->memory / 1e9);
+      break;
+    }
+  }
+  a->seconds_before = began - start;
+  return code;
+}

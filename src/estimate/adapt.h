@@ -1,0 +1,40 @@
+/* Ask for an accuracy: solve, estimate, refine what contributes most, until the bound meets it. */
+#ifndef RAD_ESTIMATE_ADAPT_H
+#define RAD_ESTIMATE_ADAPT_H
+
+#include "estimate/indicator.h"
+#include "system/solve.h"
+
+struct rad_goal {
+  double tolerance; /* of max |u - u*| over max |u| */
+  enum rad_solver solver;
+  double solver_tolerance;     /* 0: from tolerance */
+  double quadrature_tolerance; /* 0: from tolerance */
+  double memory;               /* bytes that may be used */
+};
+
+/* The last level of an adaptive run. */
+struct rad_adaptive {
+  struct rad_layout layout;
+  struct rad_mesh *mesh; /* owned; its address is kept by dense */
+  struct rad_rules rules;
+  struct rad_dense dense;
+  double *rho, *emission, *u, *h; /* owned [n_band, n_point] */
+  struct rad_solve_report report;
+  struct rad_indicator indicator;
+  double bound;     /* of max |u - u*| over max |u| */
+  int levels;
+  double seconds_before; /* spent on levels before the last */
+  double seconds_assemble, seconds_estimate;
+  char reason[256]; /* why the tolerance was not reached; empty if it was */
+};
+
+/**
+ * @param[out] a  to be freed with rad_adaptive_free, also after an error
+ * @return RAD_OK also when the tolerance could not be reached: a->reason says why
+ */
+enum rad_code rad_adapt(const struct rad_scene *scene, const struct rad_goal *goal,
+                        struct rad_adaptive *a, struct rad_error *e);
+void rad_adaptive_free(struct rad_adaptive *a); /* safe twice */
+
+#endif

@@ -1,0 +1,41 @@
+/* How far the iterated solution u* is from u: measured element by element, and bounded. */
+#ifndef RAD_ESTIMATE_INDICATOR_H
+#define RAD_ESTIMATE_INDICATOR_H
+
+#include "estimate/iterate.h"
+#include "estimate/layout.h"
+
+/**
+ * With d = u* - u_h:  u - u* = (I - rho K)^{-1} rho K d, so with w = (I - rho K)^{-1} 1 (theory 6.2)
+ *
+ *   |u - u*|(x) <= z(x),  z = (I - rho K)^{-1} |rho K d|,   max z <= max |rho K d| max w
+ *
+ * d is known at the Gauss points of a finer mesh (MORE points more in each direction), and rho K d
+ * at check points that crowd at edges and vertices.
+ */
+struct rad_indicator {
+  double *scale;    /* owned [n_band] max |u*| found [W/m2] */
+  double worst;     /* max over check points and bands of |rho K d| / scale */
+  double spread;    /* at that point: sum |parts of the elements| over the largest */
+  double change;    /* max |d| / scale */
+  double *local;    /* owned [n_element] max of |rho K d| / scale at the element's check points */
+  double *part;     /* owned [n_element] max over check points of |rho K d_e| / scale */
+  double *tail_phi, *tail_r; /* owned [n_element] size of u*'s modes beyond the element's, over scale */
+  double *rate_phi, *rate_r; /* owned [n_element] decay of its modes: e^-rate per degree */
+  int64_t kernel_values;
+};
+
+enum { RAD_MORE = 2 };
+
+/**
+ * @param[in]  u  [n_band, n_point] solution on mesh
+ * @param[in]  check  points per direction and element, 2..8
+ * @param[out] x  to be freed with rad_indicator_free, also after an error
+ */
+enum rad_code rad_indicate(const struct rad_layout *layout, const struct rad_mesh *mesh,
+                           const struct rad_rules *rules, const unsigned char *sees,
+                           const double *u, int check, struct rad_indicator *x,
+                           struct rad_error *e);
+void rad_indicator_free(struct rad_indicator *x); /* safe twice */
+
+#endif
