@@ -38,6 +38,18 @@ static enum rad_code refuse_unavailable(const struct rad_case *c, struct rad_err
   return RAD_OK;
 }
 
+/* A deck that says nothing of the mesh leaves it to the tolerance; without one, 1e-3. */
+static void choose_mode(struct rad_case *c) {
+  const unsigned by_hand = RAD_GIVEN_MESH | RAD_GIVEN_ELEMENTS | RAD_GIVEN_GRADING |
+                           RAD_GIVEN_DEGREE | RAD_GIVEN_ANGLE | RAD_GIVEN_CONSTANT_LAYERS;
+  struct rad_deck_method *m = &c->deck.method;
+  c->is_adaptive = !(m->given & by_hand) && m->solver != RAD_SOLVER_NEUMANN;
+  for (int t = 0; t < c->scene.n_triangle; t++)
+    if (c->scene.triangle[t].n_grading || c->scene.triangle[t].n_elements)
+      c->is_adaptive = 0;
+  c->tolerance = c->deck.tolerance > 0 ? c->deck.tolerance : 1e-3;
+}
+
 /* Sizes of the run, from counts alone. */
 static void plan(struct rad_case *c) {
   struct rad_plan *p = &c->plan;
@@ -68,7 +80,7 @@ static enum rad_code refuse_too_large(const struct rad_case *c, struct rad_error
 }
 
 static enum rad_code count_skipped(struct rad_case *c, struct rad_error *e) {
-  const struct rad_mesh *m = &c->mesh;
+  const struct rad_mesh *m = c->mesh;
   int n = c->scene.n_triangle;
   unsigned char *sees = rad_sees(&c->scene);
   if (!sees)
@@ -97,13 +109,20 @@ enum rad_code rad_case_prepare(const char *deck, int n_set, const char *const *s
   if (!code)
     code = refuse_shadows(c, e);
   c->seconds_scene = rad_seconds() - start;
+  if (code)
+    return code;
+  choose_mode(c);
+  if (c->is_adaptive)
+    return rad_case_check_probes(c, e);
   start = rad_seconds();
   if (!code) {
     plan(c);
     code = refuse_too_large(c, e);
   }
+  if (!code && !(c->mesh = rad_calloc(1, sizeof *c->mesh)))
+    code = rad_fail_memory(e, "the mesh", 0);
   if (!code)
-    code = rad_mesh_build(&c->scene, &c->deck.method, &c->mesh, e);
+    code = rad_mesh_build(&c->scene, &c->deck.method, c->mesh, e);
   if (code)
     return code;
   c->seconds_mesh = rad_seconds() - start;
@@ -114,7 +133,7 @@ enum rad_code rad_case_prepare(const char *deck, int n_set, const char *const *s
 
 /* rho and E at the collocation points. */
 static enum rad_code set_data(struct rad_case *c, struct rad_error *e) {
-  const struct rad_mesh *m = &c->mesh;
+  const struct rad_mesh *m = c->mesh;
   size_t n = (size_t)m->n_point, total = n * (size_t)c->scene.n_band;
   c->rho = rad_alloc(total, sizeof(double));
   c->emission = rad_alloc(total, sizeof(double));
@@ -132,14 +151,55 @@ static enum rad_code set_data(struct rad_case *c, struct rad_error *e) {
   return RAD_OK;
 }
 
+/* Take the last level of an adaptive run over. */
+static void adopt(struct rad_case *c) {
+  struct rad_adaptive *a = &c->adaptive;
+  c->mesh = a->mesh;
+  c->rules = a->rules;
+  c->dense = a->dense;
+  c->rho = a->rho;
+  c->emission = a->emission;
+  c->u = a->u;
+  c->h = a->h;
+  c->report = a->report;
+  c->report.converged = a->mesh && !a->reason[0];
+  c->seconds_assemble = a->seconds_assemble;
+  c->seconds_estimate = a->seconds_estimate;
+  a->mesh = NULL;
+  a->rules = (struct rad_rules){0};
+  a->dense = (struct rad_dense){0};
+  a->rho = a->emission = a->u = a->h = NULL;
+}
+
+static enum rad_code solve_adaptive(struct rad_case *c, struct rad_error *e) {
+  const struct rad_deck_method *m = &c->deck.method;
+  struct rad_goal goal = {
+      .tolerance = c->tolerance,
+      .solver = m->solver,
+      .solver_tolerance = m->given & RAD_GIVEN_SOLVER_TOLERANCE ? m->solver_tolerance : 0,
+      .quadrature_tolerance =
+          m->given & RAD_GIVEN_QUADRATURE_TOLERANCE ? m->quadrature_tolerance : 0,
+      .memory = rad_memory_available()};
+  enum rad_code code = rad_adapt(&c->scene, &goal, &c->adaptive, e);
+  adopt(c);
+  if (c->mesh) {
+    double n = c->mesh->n_point;
+    c->plan =
+        (struct rad_plan){.unknowns = n, .matrix_bytes = 8 * n * n, .solver = c->report.solver};
+  }
+  return code;
+}
+
 enum rad_code rad_case_solve(struct rad_case *c, struct rad_error *e) {
+  if (c->is_adaptive)
+    return solve_adaptive(c, e);
   const struct rad_deck_method *m = &c->deck.method;
   double start = rad_seconds();
   enum rad_code code = set_data(c, e);
   if (!code)
-    code = rad_rules_build(&c->mesh, m->quadrature_tolerance, &c->rules, e);
+    code = rad_rules_build(c->mesh, m->quadrature_tolerance, &c->rules, e);
   if (!code)
-    code = rad_dense_assemble(&c->mesh, &c->rules, NULL, &c->dense, e);
+    code = rad_dense_assemble(c->mesh, &c->rules, NULL, &c->dense, e);
   if (code)
     return code;
   c->seconds_assemble = rad_seconds() - start;
@@ -148,9 +208,12 @@ enum rad_code rad_case_solve(struct rad_case *c, struct rad_error *e) {
 }
 
 void rad_case_free(struct rad_case *c) {
+  rad_adaptive_free(&c->adaptive);
   rad_dense_free(&c->dense);
   rad_rules_free(&c->rules);
-  rad_mesh_free(&c->mesh);
+  if (c->mesh)
+    rad_mesh_free(c->mesh);
+  free(c->mesh);
   rad_scene_free(&c->scene);
   rad_notes_free(&c->notes);
   rad_deck_free(&c->deck);

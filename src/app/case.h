@@ -2,7 +2,7 @@
 #ifndef RAD_APP_CASE_H
 #define RAD_APP_CASE_H
 
-#include "estimate/iterate.h"
+#include "estimate/adapt.h"
 #include "output/result.h"
 #include "system/solve.h"
 
@@ -20,14 +20,17 @@ struct rad_case {
   struct rad_deck deck;
   struct rad_scene scene;
   struct rad_notes notes;
-  struct rad_mesh mesh;
+  struct rad_mesh *mesh; /* owned */
   struct rad_rules rules;
   struct rad_dense dense;
   struct rad_plan plan;
   double *rho, *emission; /* owned [n_band, n_point] at the collocation points */
   double *u, *h;          /* owned [n_band, n_point] radiosity and irradiance [W/m2] */
   struct rad_solve_report report;
-  double seconds_scene, seconds_mesh, seconds_assemble;
+  int is_adaptive;              /* no mesh was asked for by hand: the tolerance decides */
+  double tolerance;             /* of an adaptive run */
+  struct rad_adaptive adaptive; /* its layout, indicator and bound; the rest moves to this struct */
+  double seconds_scene, seconds_mesh, seconds_assemble, seconds_estimate;
 };
 
 /* deck -> scene -> plan -> mesh; refuses scenes that may have shadows, and what does not fit into
@@ -35,7 +38,8 @@ struct rad_case {
 enum rad_code rad_case_prepare(const char *deck, int n_set, const char *const *set,
                                struct rad_case *c, struct rad_error *e);
 
-/* mesh -> system -> solution. */
+/* mesh -> system -> solution; an adaptive case makes its meshes here. When the tolerance could not
+ * be reached, c->adaptive.reason says why and report.converged is 0. */
 enum rad_code rad_case_solve(struct rad_case *c, struct rad_error *e);
 
 void rad_case_free(struct rad_case *c); /* safe twice */

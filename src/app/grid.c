@@ -14,12 +14,13 @@ int rad_grid_threads(void) {
 /* u_h at (phi, r) of a sub-triangle, whatever patches the mesh has. */
 static void grid_point(const struct rad_case *c, const struct rad_patch *sub, double phi, double r,
                        double *value) {
-  const struct rad_mesh *m = &c->mesh;
+  const struct rad_mesh *m = c->mesh;
   int first = m->patch_first[sub->triangle], n = m->patch_first[sub->triangle + 1] - first;
   double mu[2], p = phi, q = r;
   int patch = 0;
   rad_patch_mu(sub, phi, r, mu);
-  if (m->patch[first].corner >= 0) { /* sub-triangles: the same patch, perhaps another angle map */
+  if (n == RAD_N_SUB &&
+      m->patch[first].corner >= 0) { /* sub-triangles: the same patch, perhaps another angle map */
     while (patch < n - 1 && (m->patch[first + patch].corner != sub->corner ||
                              m->patch[first + patch].toward != sub->toward))
       patch++;

@@ -13,7 +13,7 @@ enum { SAMPLE_POINTS = 32, SAMPLE_BLOCKS = 6, SAMPLE_LU = 800 };
 /* Seconds that one thread needs for a pair of a point and an element, between triangles i and j. */
 static double sample_block(struct rad_case *c, int i, int j, struct rad_scratch *scratch,
                            double *row) {
-  const struct rad_mesh *m = &c->mesh;
+  const struct rad_mesh *m = c->mesh;
   int n_i = m->point_first[i + 1] - m->point_first[i],
       n = n_i < SAMPLE_POINTS ? n_i : SAMPLE_POINTS;
   int base[SAMPLE_POINTS];
@@ -68,14 +68,14 @@ static double predict_lu(int n) {
 }
 
 enum rad_code rad_case_predict(struct rad_case *c, struct rad_error *e) {
-  enum rad_code code = rad_rules_build(&c->mesh, c->deck.method.quadrature_tolerance, &c->rules, e);
+  enum rad_code code = rad_rules_build(c->mesh, c->deck.method.quadrature_tolerance, &c->rules, e);
   struct rad_scratch scratch = {0};
   if (!code)
-    code = rad_scratch_init(&c->mesh, &scratch, e);
-  double *row = rad_alloc((size_t)c->mesh.n_point, SAMPLE_POINTS * sizeof(double));
+    code = rad_scratch_init(c->mesh, &scratch, e);
+  double *row = rad_alloc((size_t)c->mesh->n_point, SAMPLE_POINTS * sizeof(double));
   unsigned char *sees = rad_sees(&c->scene);
   if (!code && (!row || !sees))
-    code = rad_fail_memory(e, "the prediction", 8.0 * SAMPLE_POINTS * c->mesh.n_point);
+    code = rad_fail_memory(e, "the prediction", 8.0 * SAMPLE_POINTS * c->mesh->n_point);
   if (!code) {
     int threads =
         omp_get_max_threads() < omp_get_num_procs() ? omp_get_max_threads() : omp_get_num_procs();
@@ -83,7 +83,7 @@ enum rad_code rad_case_predict(struct rad_case *c, struct rad_error *e) {
     c->plan.seconds = pair * (c->plan.pairs - c->plan.skipped) / threads;
     double products = c->plan.solver == RAD_SOLVER_NEUMANN ? c->deck.method.bounces : 40;
     c->plan.seconds += c->plan.solver == RAD_SOLVER_LU
-                           ? predict_lu(c->mesh.n_point) * c->scene.n_band
+                           ? predict_lu(c->mesh->n_point) * c->scene.n_band
                            : products * c->plan.matrix_bytes / 1.5e10 * c->scene.n_band;
   }
   rad_scratch_free(&scratch);

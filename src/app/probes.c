@@ -13,7 +13,8 @@ struct place {
   double mu[2], off; /* off: distance from the triangle's plane or outside of it, over its size */
 };
 
-/* Smallest barycentric coordinate of a probe: on an edge it means the limit from inside the face. */
+/* Smallest barycentric coordinate of a probe: on an edge it means the limit from inside the face.
+ */
 #define INSIDE 1e-12
 
 /* Barycentric place of a point in a triangle's plane, counted from the vertex that weighs most. */
@@ -122,7 +123,7 @@ enum rad_code rad_case_probes(const struct rad_case *c, struct rad_result *r, st
   }
   struct rad_point_list list = {(int)n, triangle, base, (const double(*)[2])mu};
   if (!code && n)
-    code = rad_irradiance_at(&c->mesh, &c->rules, c->dense.sees, &list, (int)nb, c->u,
+    code = rad_irradiance_at(c->mesh, &c->rules, c->dense.sees, &list, (int)nb, c->u,
                              r->probe_irradiance, e);
   if (!code)
     radiosity(c, place, r);

@@ -8,19 +8,43 @@
 #include "base/memory.h"
 #include "base/vec.h"
 
-/* Position and values at one point of the picture. */
+/* max |u| over the bands: what the relative numbers of an adaptive run refer to. */
+static double scale(const struct rad_case *c) {
+  double most = 0;
+  for (int b = 0; b < c->scene.n_band; b++)
+    most = fmax(most, c->adaptive.indicator.scale[b]);
+  return most;
+}
+
+/* Cells per direction of an element: as asked, and at least its degree allows to be seen. */
+static int cells_of(const struct rad_case *c, int element) {
+  const struct rad_element *e = &c->mesh->element[element];
+  int s = c->deck.output.sampling, k = e->k_phi > e->k_r ? e->k_phi : e->k_r;
+  return c->is_adaptive && k > s ? k : s;
+}
+
+/* Where the points of a picture lie on their triangles. */
+struct sites {
+  int *triangle, *base; /* owned [n_point] */
+  double (*mu)[2];      /* owned [n_point] */
+};
+
+/* Position and values of u_h at one point of the picture. */
 static void picture_point(const struct rad_case *c, int element, double phi, double r, int64_t at,
-                          struct rad_picture *p) {
-  const struct rad_element *e = &c->mesh.element[element];
-  const struct rad_patch *patch = &c->mesh.patch[e->patch];
-  double mu[2], value[RAD_GAUSS_MAX * RAD_GAUSS_MAX];
-  rad_patch_mu(patch, phi, r, mu);
-  rad_triangle_point(&c->scene.triangle[patch->triangle], patch->base, mu, p->point + 3 * at);
-  rad_element_basis(&c->mesh, element, phi, r, value);
+                          struct rad_picture *p, struct sites *sites) {
+  const struct rad_element *e = &c->mesh->element[element];
+  const struct rad_patch *patch = &c->mesh->patch[e->patch];
+  double value[RAD_GAUSS_MAX * RAD_GAUSS_MAX];
+  sites->triangle[at] = patch->triangle;
+  sites->base[at] = patch->base;
+  rad_patch_mu(patch, phi, r, sites->mu[at]);
+  rad_triangle_point(&c->scene.triangle[patch->triangle], patch->base, sites->mu[at],
+                     p->point + 3 * at);
+  rad_element_basis(c->mesh, element, phi, r, value);
   int nb = c->scene.n_band;
   for (int b = 0; b < nb; b++) {
-    const double *u = c->u + (size_t)b * c->mesh.n_point + e->first;
-    const double *h = c->h + (size_t)b * c->mesh.n_point + e->first;
+    const double *u = c->u + (size_t)b * c->mesh->n_point + e->first;
+    const double *h = c->h + (size_t)b * c->mesh->n_point + e->first;
     double su = 0, sh = 0;
     for (int f = 0; f < e->n_function; f++) {
       su += value[f] * u[f];
@@ -32,14 +56,16 @@ static void picture_point(const struct rad_case *c, int element, double phi, dou
 }
 
 /* The cells of one element: s x s in its graded variables; those at r = 0 are triangles. */
-static void picture_element(const struct rad_case *c, int element, int s, struct rad_picture *p) {
-  const struct rad_element *e = &c->mesh.element[element];
-  int64_t first = (int64_t)element * (s + 1) * (s + 1);
+static void picture_element(const struct rad_case *c, int element, struct rad_picture *p,
+                            struct sites *sites) {
+  const struct rad_element *e = &c->mesh->element[element];
+  int s = cells_of(c, element);
+  int64_t first = p->n_point;
   for (int j = 0; j <= s; j++)
     for (int i = 0; i <= s; i++) {
       double sigma = e->sigma[0] + (e->sigma[1] - e->sigma[0]) * i / s;
       double tau = e->tau[0] + (e->tau[1] - e->tau[0]) * j / s;
-      picture_point(c, element, pow(sigma, e->p_phi), pow(tau, e->p_r), first + j * (s + 1) + i, p);
+      picture_point(c, element, pow(sigma, e->p_phi), pow(tau, e->p_r), p->n_point++, p, sites);
     }
   for (int j = 0; j < s; j++)
     for (int i = 0; i < s; i++) {
@@ -51,37 +77,91 @@ static void picture_element(const struct rad_case *c, int element, int s, struct
       list[n++] = corner + s + 2;
       list[n++] = corner + s + 1;
       p->type[p->n_cell] = tip ? 5 : 9;
-      p->triangle[p->n_cell] = rad_element_triangle(&c->mesh, element);
+      p->triangle[p->n_cell] = rad_element_triangle(c->mesh, element);
       p->n_cell++;
       p->offset[p->n_cell] = p->offset[p->n_cell - 1] + n;
     }
 }
 
+/* The estimate of each cell's element, in W/m2. */
+static enum rad_code add_estimates(const struct rad_case *c, struct rad_picture *p,
+                                   struct rad_error *e) {
+  double unit = scale(c);
+  p->indicator = rad_alloc((size_t)p->n_cell, sizeof(double));
+  p->bound = rad_alloc((size_t)p->n_cell, sizeof(double));
+  if (!p->indicator || !p->bound)
+    return rad_fail_memory(e, "the picture (output.sampling)", 16.0 * (double)p->n_cell);
+  int64_t cell = 0;
+  for (int i = 0; i < c->mesh->n_element; i++)
+    for (int n = cells_of(c, i) * cells_of(c, i); n > 0; n--, cell++) {
+      p->indicator[cell] = c->adaptive.indicator.local[i] * unit;
+      p->bound[cell] = c->adaptive.element_bound[i] * unit;
+    }
+  return RAD_OK;
+}
+
+/* Points on a side or at a corner see less of their neighbours: move them in, as probes are. */
+static void move_inside(struct sites *sites, int64_t n) {
+  for (int64_t i = 0; i < n; i++)
+    for (int d = 0; d < 2; d++)
+      sites->mu[i][d] = fmax(sites->mu[i][d], 1e-12);
+}
+
+/* An adaptive run reports u* = E + rho K u_h everywhere. */
+static enum rad_code use_iterated(const struct rad_case *c, struct rad_picture *p,
+                                  struct sites *sites, struct rad_error *e) {
+  int nb = c->scene.n_band;
+  move_inside(sites, p->n_point);
+  struct rad_point_list list = {(int)p->n_point, sites->triangle, sites->base,
+                                (const double(*)[2])sites->mu};
+  enum rad_code code =
+      rad_irradiance_at(c->mesh, &c->rules, c->dense.sees, &list, nb, c->u, p->irradiance, e);
+  for (int64_t i = 0; i < p->n_point && !code; i++)
+    for (int b = 0; b < nb; b++)
+      p->radiosity[i * nb + b] =
+          rad_emission(&c->scene, sites->triangle[i], b, sites->base[i], sites->mu[i]) +
+          c->scene.rho[sites->triangle[i] * nb + b] * p->irradiance[i * nb + b];
+  return code;
+}
+
 enum rad_code rad_case_picture(const struct rad_case *c, struct rad_picture *p,
                                struct rad_error *e) {
-  size_t s = (size_t)c->deck.output.sampling, n = (size_t)c->mesh.n_element;
-  size_t points = n * (s + 1) * (s + 1), cells = n * s * s, nb = (size_t)c->scene.n_band;
-  *p = (struct rad_picture){.n_point = (int64_t)points,
-                            .point = rad_alloc(points, 3 * sizeof(double)),
+  size_t points = 0, cells = 0, nb = (size_t)c->scene.n_band;
+  for (int i = 0; i < c->mesh->n_element; i++) {
+    size_t s = (size_t)cells_of(c, i);
+    points += (s + 1) * (s + 1);
+    cells += s * s;
+  }
+  *p = (struct rad_picture){.point = rad_alloc(points, 3 * sizeof(double)),
                             .connectivity = rad_alloc(cells, 4 * sizeof(int64_t)),
                             .offset = rad_calloc(cells + 1, sizeof(int64_t)),
                             .type = rad_alloc(cells, 1),
                             .triangle = rad_alloc(cells, sizeof(int)),
                             .radiosity = rad_alloc(points * nb, sizeof(double)),
                             .irradiance = rad_alloc(points * nb, sizeof(double))};
+  struct sites sites = {rad_alloc(points, sizeof(int)), rad_alloc(points, sizeof(int)),
+                        rad_alloc(points, sizeof *sites.mu)};
+  enum rad_code code = RAD_OK;
   if (!p->point || !p->connectivity || !p->offset || !p->type || !p->triangle || !p->radiosity ||
-      !p->irradiance)
-    return rad_fail_memory(e, "the picture (output.sampling)",
-                           (double)points * (24 + 16.0 * (double)nb));
-  for (int i = 0; i < c->mesh.n_element; i++)
-    picture_element(c, i, (int)s, p);
-  return RAD_OK;
+      !p->irradiance || !sites.triangle || !sites.base || !sites.mu)
+    code = rad_fail_memory(e, "the picture (output.sampling)",
+                           (double)points * (48 + 16.0 * (double)nb));
+  for (int i = 0; i < c->mesh->n_element && !code; i++)
+    picture_element(c, i, p, &sites);
+  if (!code && c->is_adaptive)
+    code = use_iterated(c, p, &sites, e);
+  if (!code && c->is_adaptive)
+    code = add_estimates(c, p, e);
+  free(sites.triangle);
+  free(sites.base);
+  free(sites.mu);
+  return code;
 }
 
 /* int L_b dS of one element's trial functions, from the finest rules. */
 static void element_weights(const struct rad_case *c, int element, double *weight) {
-  const struct rad_element *e = &c->mesh.element[element];
-  const struct rad_patch *patch = &c->mesh.patch[e->patch];
+  const struct rad_element *e = &c->mesh->element[element];
+  const struct rad_patch *patch = &c->mesh->patch[e->patch];
   const struct rad_panel *angular = &c->rules.panel[c->rules.angular[element]];
   const struct rad_panel *radial = &c->rules.panel[c->rules.radial[element]];
   int o = RAD_N_ORDER - 1, n = rad_order[o], k = e->k_phi * e->k_r;
@@ -101,39 +181,95 @@ static void element_weights(const struct rad_case *c, int element, double *weigh
   }
 }
 
+/* Graded Gauss points of a triangle's six sub-triangles, with weights that sum to 1. */
+enum { MEAN_POINTS = 10, MEAN_TOTAL = RAD_N_SUB * MEAN_POINTS * MEAN_POINTS };
+
+static void mean_points(const struct rad_case *c, int t, int *triangle, int *base, double (*mu)[2],
+                        double *weight) {
+  const double *x = rad_gauss_node(&c->mesh->gauss, MEAN_POINTS);
+  const double *w = rad_gauss_weight(&c->mesh->gauss, MEAN_POINTS);
+  int at = 0;
+  for (int s = 0; s < RAD_N_SUB; s++) {
+    struct rad_patch patch;
+    rad_patch_sub_triangle(&c->scene, t, s, RAD_ANGLE_POLAR, &patch);
+    for (int q = 0; q < MEAN_POINTS * MEAN_POINTS; q++, at++) {
+      double sigma = 0.5 * (1 + x[q % MEAN_POINTS]), tau = 0.5 * (1 + x[q / MEAN_POINTS]);
+      double phi = sigma * sigma * sigma, r = tau * tau * tau,
+             angle = rad_angle_t(patch.angle, phi);
+      triangle[at] = t;
+      base[at] = patch.base;
+      rad_patch_mu(&patch, phi, r, mu[at]);
+      weight[at] = 0.25 * w[q % MEAN_POINTS] * w[q / MEAN_POINTS] * 3 * sigma * sigma *
+                   rad_angle_dt(patch.angle, angle) * 3 * tau * tau * r * patch.a1 * patch.b2 /
+                   c->scene.triangle[t].area;
+    }
+  }
+}
+
+/* Mean irradiance of a passive triangle, which has no collocation points of its own. */
+static enum rad_code passive_mean(const struct rad_case *c, int t, double *irradiance,
+                                  struct rad_error *e) {
+  int nb = c->scene.n_band;
+  int *triangle = rad_alloc(MEAN_TOTAL, 2 * sizeof(int));
+  double(*mu)[2] = rad_alloc(MEAN_TOTAL, sizeof *mu);
+  double *weight = rad_alloc(MEAN_TOTAL, (size_t)(nb + 1) * sizeof(double));
+  enum rad_code code = RAD_OK;
+  if (!triangle || !mu || !weight) {
+    code = rad_fail_memory(e, "the means", MEAN_TOTAL * 8.0 * (nb + 4));
+  } else {
+    double *h = weight + MEAN_TOTAL;
+    mean_points(c, t, triangle, triangle + MEAN_TOTAL, mu, weight);
+    struct rad_point_list list = {MEAN_TOTAL, triangle, triangle + MEAN_TOTAL,
+                                  (const double(*)[2])mu};
+    code = rad_irradiance_at(c->mesh, &c->rules, c->dense.sees, &list, nb, c->u, h, e);
+    for (int b = 0; b < nb && !code; b++) {
+      irradiance[t * nb + b] = 0;
+      for (int q = 0; q < MEAN_TOTAL; q++)
+        irradiance[t * nb + b] += weight[q] * h[q * nb + b];
+    }
+  }
+  free(triangle);
+  free(mu);
+  free(weight);
+  return code;
+}
+
 enum rad_code rad_case_means(const struct rad_case *c, double *radiosity, double *irradiance,
                              struct rad_error *err) {
-  (void)err;
   int nb = c->scene.n_band;
   memset(radiosity, 0, sizeof(double) * (size_t)(c->scene.n_triangle * nb));
   memset(irradiance, 0, sizeof(double) * (size_t)(c->scene.n_triangle * nb));
-  for (int i = 0; i < c->mesh.n_element; i++) {
-    const struct rad_element *e = &c->mesh.element[i];
-    int t = rad_element_triangle(&c->mesh, i);
+  for (int i = 0; i < c->mesh->n_element; i++) {
+    const struct rad_element *e = &c->mesh->element[i];
+    int t = rad_element_triangle(c->mesh, i);
     double weight[RAD_GAUSS_MAX * RAD_GAUSS_MAX];
     element_weights(c, i, weight);
     for (int b = 0; b < nb; b++)
       for (int f = 0; f < e->n_function; f++) {
-        size_t at = (size_t)b * c->mesh.n_point + e->first + f;
+        size_t at = (size_t)b * c->mesh->n_point + e->first + f;
         radiosity[t * nb + b] += weight[f] * c->u[at] / c->scene.triangle[t].area;
         irradiance[t * nb + b] += weight[f] * c->h[at] / c->scene.triangle[t].area;
       }
   }
-  return RAD_OK;
+  enum rad_code code = RAD_OK;
+  for (int t = 0; t < c->scene.n_triangle && c->is_adaptive && !code; t++)
+    if (c->adaptive.layout.passive[t])
+      code = passive_mean(c, t, irradiance, err);
+  return code;
 }
 
 static enum rad_code set_points(const struct rad_case *c, struct rad_result *r,
                                 struct rad_error *e) {
-  size_t n = (size_t)c->mesh.n_point, nb = (size_t)c->scene.n_band;
-  r->n_point = c->mesh.n_point;
+  size_t n = (size_t)c->mesh->n_point, nb = (size_t)c->scene.n_band;
+  r->n_point = c->mesh->n_point;
   r->point = rad_alloc(n, 3 * sizeof(double));
   r->point_triangle = rad_alloc(n, sizeof(int));
   r->value = rad_alloc(n * nb, sizeof(double));
   if (!r->point || !r->point_triangle || !r->value)
     return rad_fail_memory(e, "the result", (double)n * (28 + 8.0 * (double)nb));
   for (int t = 0; t < c->scene.n_triangle; t++)
-    for (int i = c->mesh.point_first[t]; i < c->mesh.point_first[t + 1]; i++) {
-      rad_triangle_point(&c->scene.triangle[t], c->mesh.point_base[i], c->mesh.point_mu[i],
+    for (int i = c->mesh->point_first[t]; i < c->mesh->point_first[t + 1]; i++) {
+      rad_triangle_point(&c->scene.triangle[t], c->mesh->point_base[i], c->mesh->point_mu[i],
                          r->point + 3 * i);
       r->point_triangle[i] = t;
       for (size_t b = 0; b < nb; b++)
@@ -146,12 +282,16 @@ static const char *solver_name(enum rad_solver s) {
   return s == RAD_SOLVER_LU ? "lu" : s == RAD_SOLVER_GMRES ? "gmres" : "neumann";
 }
 
+static double indicator(const struct rad_case *c) {
+  return c->adaptive.indicator.change * scale(c);
+}
+
 static void set_diagnostics(const struct rad_case *c, struct rad_diagnostics *d) {
-  *d = (struct rad_diagnostics){.unknowns = c->mesh.n_point,
-                                .elements = c->mesh.n_element,
+  *d = (struct rad_diagnostics){.unknowns = c->mesh->n_point,
+                                .elements = c->mesh->n_element,
                                 .kappa = c->report.kappa,
-                                .error_indicator = NAN,
-                                .error_bound = NAN,
+                                .error_indicator = c->is_adaptive ? indicator(c) : NAN,
+                                .error_bound = c->is_adaptive ? c->adaptive.bound * scale(c) : NAN,
                                 .residual = c->report.residual,
                                 .iterations = c->report.iterations,
                                 .condition_estimate = c->report.condition_estimate,
@@ -166,7 +306,8 @@ static void set_diagnostics(const struct rad_case *c, struct rad_diagnostics *d)
                                 .seconds_mesh = c->seconds_mesh,
                                 .seconds_assemble = c->seconds_assemble,
                                 .seconds_factor = c->report.seconds_factor,
-                                .seconds_solve = c->report.seconds_solve};
+                                .seconds_solve = c->report.seconds_solve,
+                                .seconds_estimate = c->seconds_estimate};
 }
 
 enum rad_code rad_case_result(const struct rad_case *c, const char *command, struct rad_result *r,

@@ -22,9 +22,13 @@ static void print_head(const struct rad_case *c, FILE *out) {
   fprintf(out, "%s\n", c->deck.title[0] ? c->deck.title : c->deck.path);
   fprintf(out, "  scene    %d triangles, %d surfaces, %d band%s\n", c->scene.n_triangle,
           c->scene.n_surface, c->scene.n_band, c->scene.n_band > 1 ? "s" : "");
+  if (c->is_adaptive) {
+    fprintf(out, "  accuracy %.3g of the largest radiosity\n", c->tolerance);
+    return;
+  }
   fprintf(out, "  mesh     %s, N = %d, p = %g, degree %d: %d elements, %d unknowns\n",
-          mesh_name[m->mesh], m->elements, m->grading, m->degree, c->mesh.n_element,
-          c->mesh.n_point);
+          mesh_name[m->mesh], m->elements, m->grading, m->degree, c->mesh->n_element,
+          c->mesh->n_point);
 }
 
 static void print_means(const struct rad_case *c, const struct rad_result *r, FILE *out) {
@@ -64,6 +68,12 @@ static void print_probes(const struct rad_case *c, const struct rad_result *r, F
 static void print_solution(const struct rad_case *c, const struct rad_result *r, FILE *out) {
   const struct rad_solve_report *s = &c->report;
   const struct rad_diagnostics *d = &r->diagnostics;
+  if (c->is_adaptive) {
+    fprintf(out, "  mesh     adaptive, %d levels: %d elements, %d unknowns\n", c->adaptive.levels,
+            c->mesh->n_element, c->mesh->n_point);
+    fprintf(out, "  error    at most %.2e W/m2, %.2e of the largest radiosity\n", d->error_bound,
+            c->adaptive.bound);
+  }
   fprintf(out, "  matrix   dense, %.3g MB; %lld near and %lld far pairs, %lld skipped\n",
           c->plan.matrix_bytes / 1e6, (long long)d->pairs_near, (long long)d->pairs_far,
           (long long)d->pairs_skipped);
@@ -87,12 +97,14 @@ static void print_solution(const struct rad_case *c, const struct rad_result *r,
 }
 
 /* Writing over the deck would lose it. */
-static enum rad_code refuse_overwrite(const struct rad_case *c, const char *path, struct rad_error *e) {
+static enum rad_code refuse_overwrite(const struct rad_case *c, const char *path,
+                                      struct rad_error *e) {
   struct stat deck, target;
   if (stat(c->deck.path, &deck) || stat(path, &target) || deck.st_ino != target.st_ino ||
       deck.st_dev != target.st_dev)
     return RAD_OK;
-  return rad_fail(e, RAD_EINPUT, "%s: error: the result would overwrite the deck; give another file by -o",
+  return rad_fail(e, RAD_EINPUT,
+                  "%s: error: the result would overwrite the deck; give another file by -o",
                   c->deck.path);
 }
 
@@ -139,6 +151,10 @@ enum rad_code rad_app_run(const struct rad_command *command, struct rad_error *e
   if (!code) {
     warn(&c, command->log);
     code = output(&c, command, started, e);
+    if (!code && c.adaptive.reason[0])
+      code = rad_fail(e, RAD_ENUMERIC,
+                      "%s: error: the tolerance %.3g was not reached, the bound is %.2e: %s",
+                      c.deck.path, c.tolerance, c.adaptive.bound, c.adaptive.reason);
   } else if (code == RAD_ENUMERIC && c.report.iterations > 0 && isfinite(c.report.residual)) {
     struct rad_error second; /* the first error is the one to report */
     output(&c, command, started, &second);
@@ -151,6 +167,11 @@ enum rad_code rad_app_check(const struct rad_command *command, struct rad_error 
   struct rad_case c;
   enum rad_code code = rad_case_prepare(command->deck, command->n_set, command->set, &c, e);
   print_notes(&c, command->log);
+  if (!code && c.is_adaptive) {
+    print_head(&c, command->out);
+    rad_case_free(&c);
+    return code;
+  }
   if (!code)
     code = rad_case_predict(&c, e);
   if (!code) {

@@ -75,8 +75,8 @@ static enum rad_code run_row(struct study *s, int i, struct rad_error *e) {
     code = rad_case_solve(&c, e);
   if (!code) {
     row->seconds_total = rad_seconds() - start;
-    row->unknowns = c.mesh.n_point;
-    row->elements = c.mesh.n_element;
+    row->unknowns = c.mesh->n_point;
+    row->elements = c.mesh->n_element;
     row->residual = c.report.residual;
     row->bytes = c.plan.matrix_bytes;
     row->seconds_assemble = c.seconds_assemble;
@@ -206,7 +206,8 @@ static enum rad_code write(const struct study *s, struct rad_error *e) {
   char path[4096];
   const char *file = s->deck.output.file, *slash = strrchr(file, '/');
   const char *name = slash ? slash + 1 : file, *dot = strrchr(name, '.');
-  snprintf(path, sizeof path, "%.*s_study.h5", (int)(dot && dot > name ? dot - file : (long)strlen(file)), file);
+  snprintf(path, sizeof path, "%.*s_study.h5",
+           (int)(dot && dot > name ? dot - file : (long)strlen(file)), file);
   const char *target = s->command->output ? s->command->output : path;
   struct rad_table table = {s->n_row, d->n_vary + N_NUMBER, column};
   if (!code)

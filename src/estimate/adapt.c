@@ -8,13 +8,20 @@
 #include "base/clock.h"
 #include "base/memory.h"
 
-enum { MAX_LEVEL = 40, CHECK = 5 };
+/* Check points per direction and element: enough to steer by, and to state a bound with. */
+enum { MAX_LEVEL = 40, CHECK_ROUGH = 3, CHECK = 5 };
 
 /* d is seen through a finer mesh and at check points only: what they may miss. */
 #define SAFETY 1.5
 
+/* A refined part is meant to become this much smaller than its share, more so at later levels, and
+ * parts that are nearly too large are refined as well: a level costs more than the unknowns that
+ * more caution would save. */
+#define OVERSHOOT 3.5
+#define NEARLY 0.95
+
 /* Parts of the tolerance that quadrature and solver may use up. */
-#define QUADRATURE_PART 0.02
+#define QUADRATURE_PART 0.1
 #define SOLVER_PART 0.01
 
 static void free_level(struct rad_adaptive *a) {
@@ -35,11 +42,13 @@ static void free_level(struct rad_adaptive *a) {
 void rad_adaptive_free(struct rad_adaptive *a) {
   free_level(a);
   rad_layout_free(&a->layout);
+  free(a->element_bound);
   *a = (struct rad_adaptive){0};
 }
 
 /* rho and E at the collocation points. */
-static enum rad_code set_data(const struct rad_scene *s, struct rad_adaptive *a, struct rad_error *e) {
+static enum rad_code set_data(const struct rad_scene *s, struct rad_adaptive *a,
+                              struct rad_error *e) {
   const struct rad_mesh *m = a->mesh;
   size_t n = (size_t)m->n_point, total = n * (size_t)s->n_band;
   a->rho = rad_alloc(total, sizeof(double));
@@ -52,17 +61,21 @@ static enum rad_code set_data(const struct rad_scene *s, struct rad_adaptive *a,
     for (int p = m->point_first[t]; p < m->point_first[t + 1]; p++)
       for (int b = 0; b < s->n_band; b++) {
         a->rho[(size_t)b * n + (size_t)p] = s->rho[t * s->n_band + b];
-        a->emission[(size_t)b * n + (size_t)p] = rad_emission(s, t, b, m->point_base[p], m->point_mu[p]);
+        a->emission[(size_t)b * n + (size_t)p] =
+            rad_emission(s, t, b, m->point_base[p], m->point_mu[p]);
       }
   return RAD_OK;
 }
 
-static double quadrature_tolerance(const struct rad_goal *g) {
-  return g->quadrature_tolerance > 0 ? g->quadrature_tolerance
-                                     : fmax(QUADRATURE_PART * g->tolerance, 1e-13);
+/* Quadrature may use its part of the tolerance after the inverse has amplified it. */
+static double quadrature_tolerance(const struct rad_goal *g, double inverse_norm) {
+  return g->quadrature_tolerance > 0
+             ? g->quadrature_tolerance
+             : fmin(fmax(0.5 * QUADRATURE_PART * g->tolerance / inverse_norm, 1e-13), 2e-5);
 }
 
-/* Mesh, matrix and solution of the present layout; blocks that did not change come from `before`. */
+/* Mesh, matrix and solution of the present layout; blocks that did not change come from `before`.
+ */
 static enum rad_code solve_level(const struct rad_scene *scene, const struct rad_goal *g,
                                  const struct rad_adaptive *before, struct rad_adaptive *a,
                                  struct rad_error *e) {
@@ -77,8 +90,9 @@ static enum rad_code solve_level(const struct rad_scene *scene, const struct rad
     origin[i] = a->layout.leaf[i].origin;
   enum rad_code code = rad_layout_mesh(&a->layout, 0, a->mesh, e);
   if (!code)
-    code = rad_rules_build(a->mesh, quadrature_tolerance(g), &a->rules, e);
-  struct rad_reuse reuse = {before->mesh ? &before->dense : NULL, origin, a->layout.passive};
+    code = rad_rules_build(a->mesh, a->quadrature, &a->rules, e);
+  int same = before->mesh && before->rules.tolerance == a->rules.tolerance;
+  struct rad_reuse reuse = {same ? &before->dense : NULL, origin, a->layout.passive};
   if (!code)
     code = rad_dense_assemble(a->mesh, &a->rules, &reuse, &a->dense, e);
   free(origin);
@@ -89,18 +103,46 @@ static enum rad_code solve_level(const struct rad_scene *scene, const struct rad
   if (o.tolerance == 0)
     o.tolerance = fmax(SOLVER_PART * g->tolerance, 1e-14);
   return code ? code
-              : rad_solve(&a->dense, &o, scene->n_band, a->rho, a->emission, a->u, a->h, &a->report, e);
+              : rad_solve(&a->dense, &o, scene->n_band, a->rho, a->emission, a->u, a->h, &a->report,
+                          e);
 }
 
 /* |u - u*| <= (|rho K d| + |rho (K - K_h) u*| + residual) max w (theory 6.3). */
-static void set_bound(const struct rad_goal *g, struct rad_adaptive *a) {
+static void set_bound(struct rad_adaptive *a) {
   double least = INFINITY;
   for (int b = 0; b < a->layout.scene->n_band; b++)
     if (a->indicator.scale[b] > 0)
       least = fmin(least, a->indicator.scale[b]);
   double residual = isinf(least) ? 0 : a->report.residual / least;
-  a->bound = (SAFETY * a->indicator.worst + 2 * quadrature_tolerance(g) + residual) *
+  a->bound = (SAFETY * a->indicator.worst + 2 * a->quadrature + residual) *
              fmax(a->report.inverse_norm, 1);
+}
+
+/* z = (I - rho K)^{-1} g with the largest |rho K d| of each element as g: pointwise bound. */
+static enum rad_code set_element_bound(struct rad_adaptive *a, struct rad_error *e) {
+  size_t n = (size_t)a->mesh->n_point;
+  double *right = rad_alloc(n, sizeof(double)), *z = rad_alloc(n, sizeof(double));
+  a->element_bound = rad_calloc((size_t)a->mesh->n_element, sizeof(double));
+  enum rad_code code = RAD_OK;
+  if (!right || !z || !a->element_bound)
+    code = rad_fail_memory(e, "the error bound", 16.0 * (double)n);
+  for (int b = 0; b < a->layout.scene->n_band && !code; b++) {
+    for (int i = 0; i < a->mesh->n_element; i++) {
+      const struct rad_element *el = &a->mesh->element[i];
+      for (int f = 0; f < el->n_function; f++)
+        right[el->first + f] = SAFETY * a->indicator.local[i] + 2 * a->quadrature;
+    }
+    struct rad_linear system = {a->rho + (size_t)b * n, right, z, 1e-6, 0};
+    code = rad_gmres(&a->dense, 1, &system, e);
+    for (int i = 0; i < a->mesh->n_element && !code; i++) {
+      const struct rad_element *el = &a->mesh->element[i];
+      for (int f = 0; f < el->n_function; f++)
+        a->element_bound[i] = fmax(a->element_bound[i], z[el->first + f]);
+    }
+  }
+  free(right);
+  free(z);
+  return code;
 }
 
 /* Degrees to add in one direction, or a split: what reduces its tail by `factor` at less cost. */
@@ -110,7 +152,7 @@ static void refine_direction(double factor, double rate, int *k, int *split) {
     *split = 1;
     return;
   }
-  int add = (int)ceil(fmin(fmax(more, 1), 4));
+  int add = (int)ceil(fmin(fmax(more, 1), 6));
   *k = *k + add < RAD_MAX_POINTS_1D ? *k + add : RAD_MAX_POINTS_1D;
 }
 
@@ -121,17 +163,18 @@ static enum rad_code refine(const struct rad_goal *g, struct rad_adaptive *a, st
   if (!what)
     return rad_fail_memory(e, "the refinement", (double)l->n_leaf * sizeof *what);
   double share = 0.8 * g->tolerance / (SAFETY * fmax(a->report.inverse_norm, 1) * x->spread);
+  double over = OVERSHOOT * pow(1.15, a->levels);
   for (int i = 0; i < l->n_leaf; i++) {
     const struct rad_leaf *f = &l->leaf[i];
     struct rad_refinement *w = &what[i];
     *w = (struct rad_refinement){.k_phi = f->k_phi, .k_r = f->k_r};
     double factor = x->part[i] / share, most = fmax(x->tail_phi[i], x->tail_r[i]);
-    if (l->passive[l->patch[f->patch].triangle] || factor <= 1)
+    if (l->passive[l->patch[f->patch].triangle] || factor <= NEARLY)
       continue;
     if (x->tail_phi[i] >= 0.25 * most)
-      refine_direction(1.3 * factor, x->rate_phi[i], &w->k_phi, &w->split_phi);
+      refine_direction(over * factor, x->rate_phi[i], &w->k_phi, &w->split_phi);
     if (x->tail_r[i] >= 0.25 * most)
-      refine_direction(1.3 * factor, x->rate_r[i], &w->k_r, &w->split_r);
+      refine_direction(over * factor, x->rate_r[i], &w->k_r, &w->split_r);
   }
   enum rad_code code = rad_layout_refine(l, what, e);
   free(what);
@@ -152,6 +195,15 @@ static double bytes(const struct rad_goal *g, const struct rad_layout *l, double
   return rad_solver_bytes(rad_solver_pick(g->solver, n), n, l->scene->n_band) + 8 * before * before;
 }
 
+static enum rad_code estimate(struct rad_adaptive *a, int check, struct rad_error *e) {
+  rad_indicator_free(&a->indicator);
+  enum rad_code code =
+      rad_indicate(&a->layout, a->mesh, &a->rules, a->dense.sees, a->u, check, &a->indicator, e);
+  if (!code)
+    set_bound(a);
+  return code;
+}
+
 /* One level: solve and estimate. The level before is freed once its blocks are taken over. */
 static enum rad_code level(const struct rad_scene *scene, const struct rad_goal *g,
                            struct rad_adaptive *a, struct rad_error *e) {
@@ -165,18 +217,19 @@ static enum rad_code level(const struct rad_scene *scene, const struct rad_goal 
   enum rad_code code = solve_level(scene, g, &before, a, e);
   free_level(&before);
   double start = rad_seconds();
+  int check = before.levels == 0 || before.bound > 100 * g->tolerance ? CHECK_ROUGH : CHECK;
   if (!code)
-    code = rad_indicate(&a->layout, a->mesh, &a->rules, a->dense.sees, a->u, CHECK, &a->indicator, e);
+    code = estimate(a, check, e);
+  if (!code && check == CHECK_ROUGH && a->bound <= 2 * g->tolerance)
+    code = estimate(a, CHECK, e);
   a->seconds_estimate = rad_seconds() - start;
-  if (!code)
-    set_bound(g, a);
   a->levels++;
   return code;
 }
 
 enum rad_code rad_adapt(const struct rad_scene *scene, const struct rad_goal *g,
                         struct rad_adaptive *a, struct rad_error *e) {
-  *a = (struct rad_adaptive){0};
+  *a = (struct rad_adaptive){.quadrature = quadrature_tolerance(g, 2.5)};
   double start = rad_seconds(), began = start, least = INFINITY;
   int stuck = 0;
   unsigned char *sees = rad_sees(scene);
@@ -187,26 +240,28 @@ enum rad_code rad_adapt(const struct rad_scene *scene, const struct rad_goal *g,
     began = rad_seconds();
     if ((code = level(scene, g, a, e)))
       break;
-    if (getenv("RAD_TRACE"))
-      fprintf(stderr, "level %d: %d elements %d unknowns, |Kd| %.2e |d| %.2e w %.3f bound %.2e spread %.1f, assemble %.3f solve %.3f estimate %.3f\n",
-              a->levels, a->mesh->n_element, a->mesh->n_point, a->indicator.worst, a->indicator.change, a->report.inverse_norm, a->bound, a->indicator.spread, a->seconds_assemble, a->report.seconds_solve+a->report.seconds_factor, a->seconds_estimate);
     if (a->bound <= g->tolerance)
       break;
+    a->quadrature = fmin(a->quadrature, quadrature_tolerance(g, a->report.inverse_norm));
     stuck = a->bound < 0.7 * least ? 0 : stuck + 1;
     least = fmin(least, a->bound);
     double n = a->mesh->n_point;
     if (stuck == 6 || a->levels == MAX_LEVEL) {
-      snprintf(a->reason, sizeof a->reason, "refinement no longer lowers the bound: rounding or the inner tolerances are in the way");
+      snprintf(
+          a->reason, sizeof a->reason,
+          "refinement no longer lowers the bound: rounding or the inner tolerances are in the way");
       break;
     }
     if ((code = refine(g, a, e)))
       break;
     if (bytes(g, &a->layout, n) > g->memory) {
-      snprintf(a->reason, sizeof a->reason, "the next level, with %.0f unknowns, needs %.3g GB of memory and %.3g GB are available",
-               unknowns(&a->layout), bytes(g, &a->layout, n) / 1e9, g->memory / 1e9);
+      snprintf(
+          a->reason, sizeof a->reason,
+          "the next level, with %.0f unknowns, needs %.3g GB of memory and %.3g GB are available",
+          unknowns(&a->layout), bytes(g, &a->layout, n) / 1e9, g->memory / 1e9);
       break;
     }
   }
   a->seconds_before = began - start;
-  return code;
+  return code ? code : set_element_bound(a, e);
 }

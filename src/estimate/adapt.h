@@ -22,7 +22,9 @@ struct rad_adaptive {
   double *rho, *emission, *u, *h; /* owned [n_band, n_point] */
   struct rad_solve_report report;
   struct rad_indicator indicator;
-  double bound;     /* of max |u - u*| over max |u| */
+  double bound;          /* of max |u - u*| over max |u| */
+  double *element_bound; /* owned [n_element] z of (6.2), largest of the element, over max |u| */
+  double quadrature;     /* tolerance of the matrix entries */
   int levels;
   double seconds_before; /* spent on levels before the last */
   double seconds_assemble, seconds_estimate;

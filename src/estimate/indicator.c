@@ -18,11 +18,11 @@ struct work {
   double *d;              /* owned [n_band, n fine points] u* - u_h, over scale */
   double *star;           /* owned [n_band, n fine points] u* */
   struct rad_point_list check;
-  int *place;             /* owned [n check, 2]: triangle, base */
-  double (*mu)[2];        /* owned [n check] */
-  int *element;           /* owned [n check] element of the check point */
+  int *place;                    /* owned [n check, 2]: triangle, base */
+  double (*mu)[2];               /* owned [n check] */
+  int *element;                  /* owned [n check] element of the check point */
   double *total, *largest, *sum; /* owned [n check] |rho K d|, largest part, sum of parts */
-  double *part;           /* owned [threads, n_element] */
+  double *part;                  /* owned [threads, n_element] */
   struct rad_indicator *x;
 };
 
@@ -119,11 +119,14 @@ static double decay(const double *mode, int n) {
   return det > 0 ? -(count * sxy - sx * sy) / det : 1;
 }
 
-/* Legendre modes of u* on one fine element: what lies beyond the coarse element's, and the decay. */
+/* Legendre modes of u* on one fine element: what lies beyond the coarse element's, and the decay.
+ */
 static void modes(struct work *w, int i) {
   const struct rad_element *c = &w->mesh->element[i], *f = &w->fine.element[i];
-  const double *xp = rad_gauss_node(&w->fine.gauss, f->k_phi), *wp = rad_gauss_weight(&w->fine.gauss, f->k_phi);
-  const double *xr = rad_gauss_node(&w->fine.gauss, f->k_r), *wr = rad_gauss_weight(&w->fine.gauss, f->k_r);
+  const double *xp = rad_gauss_node(&w->fine.gauss, f->k_phi),
+               *wp = rad_gauss_weight(&w->fine.gauss, f->k_phi);
+  const double *xr = rad_gauss_node(&w->fine.gauss, f->k_r),
+               *wr = rad_gauss_weight(&w->fine.gauss, f->k_r);
   double pp[RAD_GAUSS_MAX][RAD_GAUSS_MAX], pr[RAD_GAUSS_MAX][RAD_GAUSS_MAX];
   double mode_phi[RAD_GAUSS_MAX] = {0}, mode_r[RAD_GAUSS_MAX] = {0};
   for (int q = 0; q < f->k_phi; q++)
@@ -232,8 +235,7 @@ static enum rad_code check(struct work *w, struct rad_error *e) {
   w->part = rad_calloc((size_t)n_thread * (size_t)n_element, sizeof(double));
   if (!w->part)
     return rad_fail_memory(e, "the error estimate", 8.0 * n_thread * n_element);
-  enum rad_code code =
-      rad_visit_rows(&w->fine, &w->rules, w->sees, &w->check, add_parts, w, e);
+  enum rad_code code = rad_visit_rows(&w->fine, &w->rules, w->sees, &w->check, add_parts, w, e);
   struct rad_indicator *x = w->x;
   for (int t = 0; t < n_thread && !code; t++)
     for (int i = 0; i < n_element; i++)
@@ -276,7 +278,8 @@ enum rad_code rad_indicate(const struct rad_layout *layout, const struct rad_mes
                            const double *u, int n_check, struct rad_indicator *x,
                            struct rad_error *e) {
   *x = (struct rad_indicator){0};
-  struct work w = {.layout = layout, .mesh = mesh, .sees = sees, .n_band = mesh->scene->n_band, .x = x};
+  struct work w = {
+      .layout = layout, .mesh = mesh, .sees = sees, .n_band = mesh->scene->n_band, .x = x};
   enum rad_code code = allocate(x, mesh->n_element, w.n_band, e);
   if (!code)
     code = rad_layout_mesh(layout, RAD_MORE, &w.fine, e);

@@ -6,7 +6,8 @@
 #include "estimate/layout.h"
 
 /**
- * With d = u* - u_h:  u - u* = (I - rho K)^{-1} rho K d, so with w = (I - rho K)^{-1} 1 (theory 6.2)
+ * With d = u* - u_h:  u - u* = (I - rho K)^{-1} rho K d, so with w = (I - rho K)^{-1} 1
+ * (theory 6.2)
  *
  *   |u - u*|(x) <= z(x),  z = (I - rho K)^{-1} |rho K d|,   max z <= max |rho K d| max w
  *
@@ -14,13 +15,14 @@
  * at check points that crowd at edges and vertices.
  */
 struct rad_indicator {
-  double *scale;    /* owned [n_band] max |u*| found [W/m2] */
-  double worst;     /* max over check points and bands of |rho K d| / scale */
-  double spread;    /* at that point: sum |parts of the elements| over the largest */
-  double change;    /* max |d| / scale */
-  double *local;    /* owned [n_element] max of |rho K d| / scale at the element's check points */
-  double *part;     /* owned [n_element] max over check points of |rho K d_e| / scale */
-  double *tail_phi, *tail_r; /* owned [n_element] size of u*'s modes beyond the element's, over scale */
+  double *scale; /* owned [n_band] max |u*| found [W/m2] */
+  double worst;  /* max over check points and bands of |rho K d| / scale */
+  double spread; /* at that point: sum |parts of the elements| over the largest */
+  double change; /* max |d| / scale */
+  double *local; /* owned [n_element] max of |rho K d| / scale at the element's check points */
+  double *part;  /* owned [n_element] max over check points of |rho K d_e| / scale */
+  double *tail_phi,
+      *tail_r; /* owned [n_element] size of u*'s modes beyond the element's, over scale */
   double *rate_phi, *rate_r; /* owned [n_element] decay of its modes: e^-rate per degree */
   int64_t kernel_values;
 };

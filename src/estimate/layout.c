@@ -100,10 +100,9 @@ static enum rad_code add_six(struct rad_layout *l, int t, const struct rad_expon
     rad_patch_sub_triangle(l->scene, t, s, RAD_ANGLE_POLAR, &l->patch[p]);
     l->p_phi[p] = grading_for(x->beta[t][edge], tolerance);
     l->p_r[p] = grading_for(x->alpha[t][vertex], tolerance);
-    code = add_leaf(l,
-                    (struct rad_leaf){p, {0, 1}, {0, 1}, l->p_phi[p] > 1 ? 4 : 3,
-                                      l->p_r[p] > 1 ? 4 : 3, -1},
-                    e);
+    code = add_leaf(
+        l, (struct rad_leaf){p, {0, 1}, {0, 1}, l->p_phi[p] > 1 ? 4 : 3, l->p_r[p] > 1 ? 4 : 3, -1},
+        e);
   }
   return code;
 }
@@ -121,7 +120,7 @@ static enum rad_code add_triangle(struct rad_layout *l, int t, const unsigned ch
   const struct rad_scene *s = l->scene;
   l->passive[t] = black(s, t) || !lit || !sees_any(sees, s->n_triangle, t);
   if (l->passive[t])
-    return dark(s, t) ? RAD_OK : add_plain(l, t, constant(s, t) ? 1 : 2, e);
+    return add_plain(l, t, constant(s, t) ? 1 : 2, e);
   return singular(x, t) ? add_six(l, t, x, tolerance, e) : add_plain(l, t, 3, e);
 }
 
@@ -216,10 +215,11 @@ enum rad_code rad_layout_refine(struct rad_layout *l, const struct rad_refinemen
     int nb = parts_of(f->r, w->split_r, f->r[0] == 0 && l->p_r[f->patch] > 1, b);
     for (int q = 0; q < nb && !code; q++)
       for (int p = 0; p < na && !code; p++)
-        code = add_leaf(l,
-                        (struct rad_leaf){f->patch, {a[p], a[p + 1]}, {b[q], b[q + 1]}, w->k_phi,
-                                          w->k_r, same ? i : -1},
-                        e);
+        code = add_leaf(
+            l,
+            (struct rad_leaf){
+                f->patch, {a[p], a[p + 1]}, {b[q], b[q + 1]}, w->k_phi, w->k_r, same ? i : -1},
+            e);
   }
   free(old);
   return code;

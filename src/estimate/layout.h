@@ -27,7 +27,8 @@ enum { RAD_MAX_POINTS_1D = 18 }; /* largest k of an adaptive element */
 /**
  * The least that makes sense for a tolerance: one element of low degree per sub-triangle of a
  * triangle with a singular edge or vertex, one plain element per triangle where nothing is, one for
- * the emission of a black face, none where no light comes or goes.
+ * the emission of a passive face: black, unlit, or seeing nothing, where u = E and no row is
+ * needed.
  *
  * @param[in]  sees  [n_triangle, n_triangle] of rad_sees
  * @param[out] l     to be freed with rad_layout_free, also after an error
@@ -42,8 +43,8 @@ enum rad_code rad_layout_mesh(const struct rad_layout *l, int more, struct rad_m
 
 /* What is to be done with a leaf. */
 struct rad_refinement {
-  int k_phi, k_r;             /* new numbers of points */
-  int split_phi, split_r;     /* 1: also in two, at the place that suits a graded or plain leaf */
+  int k_phi, k_r;         /* new numbers of points */
+  int split_phi, split_r; /* 1: also in two, at the place that suits a graded or plain leaf */
 };
 
 /* Replace leaves by their refinements; origins are set for those that stay as they are. */

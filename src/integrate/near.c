@@ -13,6 +13,29 @@ enum { MAX_RAY = 48, MAX_RADIAL = 64, MAX_DEPTH = 60 };
 /* Beyond this Bernstein parameter plain Gauss beats the sinh map. */
 #define RHO_PLAIN 3.0
 
+/* x^p for the whole p of graded variables. */
+static inline double whole_power(double x, int p) {
+  double power = 1;
+  for (int m = 0; m < p; m++)
+    power *= x;
+  return power;
+}
+
+/* x^(1/p) for x >= 0. */
+static inline double whole_root(double x, int p) {
+  return p == 1   ? x
+         : p == 2 ? sqrt(x)
+         : p == 3 ? cbrt(x)
+         : p == 4 ? sqrt(sqrt(x))
+                  : pow(x, 1.0 / p);
+}
+
+/* To the last bits of 1, which is what positions on a range need. */
+static inline double inverse_sinh(double x) {
+  double a = fabs(x), z = log(a + sqrt(a * a + 1));
+  return x < 0 ? -z : z;
+}
+
 /* Parameter of the Bernstein ellipse with foci -1, 1 through re + i im. */
 static inline double bernstein(double re, double im) {
   double s = 0.5 * (sqrt((re - 1) * (re - 1) + im * im) + sqrt((re + 1) * (re + 1) + im * im));
@@ -20,12 +43,13 @@ static inline double bernstein(double re, double im) {
 }
 
 /* Gauss points for [mid - half, mid + half] of a variable in which the integrand is analytic within
- * the Bernstein ellipse rho, and there at most e^(growth half ((rho' + 1/rho')/2 - 1)) times what it
- * is on the range, on each smaller ellipse rho' (theory 3.12):
+ * the Bernstein ellipse rho, and there at most e^(growth half ((rho' + 1/rho')/2 - 1)) times what
+ * it is on the range, on each smaller ellipse rho' (theory 3.12):
  *
  *   rho'^(2n - degree) = 100 / tolerance * that growth, for the rho' <= rho that needs the least n
  */
-static inline int points_for(double rho, double degree, double growth, double half, double tolerance) {
+static inline int points_for(double rho, double degree, double growth, double half,
+                             double tolerance) {
   static const double ellipse[] = {1.2, 1.5, 2, 2.7, 3.7, 5.5, 9, 16};
   static const double log_of[] = {0.18232155679395, 0.40546510810816, 0.69314718055995,
                                   0.99325177301028, 1.30833281965018, 1.70474809223843,
@@ -149,8 +173,8 @@ INLINE void along_ray(struct rad_near *w, const struct ray *ray, double *restric
   double rho = bernstein((ray->re - mid) / half, ray->im / half);
   int mapped = rho < RHO_PLAIN;
   if (mapped) {
-    double z0 = asinh((ray->tau[0] - ray->re) / ray->im),
-           z1 = asinh((ray->tau[1] - ray->re) / ray->im);
+    double z0 = inverse_sinh((ray->tau[0] - ray->re) / ray->im),
+           z1 = inverse_sinh((ray->tau[1] - ray->re) / ray->im);
     mid = 0.5 * (z0 + z1);
     half = 0.5 * (z1 - z0);
     rho = bernstein(mid / half, 0.5 * M_PI / half);
@@ -186,7 +210,7 @@ static double complex sigma_of(const struct rad_near *w, double complex t) {
 
 static double t_of(const struct rad_near *w, double sigma) {
   double p = w->element->p_phi;
-  return rad_angle_t(w->patch->angle, p == 1 ? sigma : pow(sigma, p));
+  return rad_angle_t(w->patch->angle, whole_power(sigma, (int)p));
 }
 
 static double side_r(const struct rad_side_line *s, double t) {
@@ -249,11 +273,11 @@ INLINE void set_ray(const struct rad_near *w, const struct rad_strip *strip, dou
     ray->tau[1] = r_hi;
     return;
   }
-  double size = pow(hypot(r0, delta), 1 / pr), turn = atan2(delta, r0) / pr;
+  double size = whole_root(sqrt(r0 * r0 + delta * delta), (int)pr), turn = atan2(delta, r0) / pr;
   ray->re = size * cos(turn);
   ray->im = size * sin(turn);
-  ray->tau[0] = pow(r_lo, 1 / pr);
-  ray->tau[1] = pow(r_hi, 1 / pr);
+  ray->tau[0] = whole_root(r_lo, (int)pr);
+  ray->tau[1] = whole_root(r_hi, (int)pr);
 }
 
 /* |t - t_c|^2 from offset = sigma - sigma_c, which the map knows exactly: nothing cancels. For t_c
@@ -319,9 +343,10 @@ static RAD_CLONES void sweep(struct rad_near *w, const struct rad_strip *strip,
   int at_pole = range->mapped && range->re == creal(sigma_c) && range->im == cimag(sigma_c) &&
                 cimag(t_c) < 0.01;
   for (int i = 0; i < range->n; i++) {
-    double z = range->mid + range->half * x[i], sh = sinh(z);
+    double z = range->mid + range->half * x[i], ez = rad_exp(range->mapped ? z : 0);
+    double sh = 0.5 * (ez - 1 / ez), ch = 0.5 * (ez + 1 / ez);
     double sigma = range->mapped ? range->re + range->im * sh : z;
-    double slope = range->mapped ? range->im * cosh(z) : 1;
+    double slope = range->mapped ? range->im * ch : 1;
     double t = t_of(w, sigma);
     double complex dt = t - t_c;
     double d2 = creal(dt) * creal(dt) + cimag(dt) * cimag(dt);
@@ -329,7 +354,7 @@ static RAD_CLONES void sweep(struct rad_near *w, const struct rad_strip *strip,
       d2 = distance2(w, sigma, sigma_c, range->im * (sh - I), t, t_c);
     struct ray ray;
     set_ray(w, strip, t, d2, q_c, &ray);
-    double phi_slope = e->p_phi == 1 ? 1 : e->p_phi * pow(sigma, e->p_phi - 1);
+    double phi_slope = e->p_phi * whole_power(sigma, (int)e->p_phi - 1);
     ray.scale *= wt[i] * range->half * slope * phi_slope * rad_angle_dt(w->patch->angle, t);
     double radial[RAD_GAUSS_MAX] = {0}, angular[RAD_GAUSS_MAX];
     along_ray(w, &ray, radial);

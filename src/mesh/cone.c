@@ -12,7 +12,7 @@ enum {
   GRADE = 3,     /* of panels at edges */
   MAX_BREAK = 6, /* per face: planes of others that cross it */
   /* Tips of round bodies: with more faces than MANY each is one panel of FEW points, even if its
-   * edges or kinks would deserve better: 3 digits, but memory and time stay in bounds. */
+   * edges or kinks would deserve better: 5 digits, but memory and time stay in bounds. */
   MANY = 16,
   FEW = 3
 };

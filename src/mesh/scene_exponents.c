@@ -177,14 +177,16 @@ static enum rad_code vertices(const struct rad_scene *scene, const struct rad_ga
   int *corner = rad_alloc(n_corner, sizeof *corner);
   if (first && corner) {
     sort_corners(scene, first, corner);
-#pragma omp parallel for schedule(dynamic) default(none) shared(scene, g, alpha, first, corner, n) \
-    reduction(|                                                                                    \
-              : failed)
+#pragma omp parallel for schedule(dynamic) default(none)                                           \
+    shared(scene, g, alpha, first, corner, n, failed)
     for (int v = 0; v < n; v++) {
       struct fan fan = {first[v + 1] - first[v], corner + first[v]};
       struct rad_error mine;
       double value;
-      failed |= alpha_of(scene, g, fan, &value, &mine) != RAD_OK;
+      if (alpha_of(scene, g, fan, &value, &mine) != RAD_OK) {
+#pragma omp atomic write
+        failed = 1;
+      }
       for (int i = 0; i < fan.n; i++) {
         int triangle = fan.corner[i] / 3;
         alpha[triangle][fan.corner[i] % 3] = is_black(scene, triangle) ? INFINITY : value;

@@ -17,6 +17,8 @@ void rad_result_free(struct rad_result *result) {
   free(result->picture.triangle);
   free(result->picture.radiosity);
   free(result->picture.irradiance);
+  free(result->picture.indicator);
+  free(result->picture.bound);
   free(result->triangle_radiosity);
   free(result->triangle_irradiance);
   free(result->point);

@@ -18,6 +18,8 @@ struct rad_picture {
   int *triangle;         /* owned [n_cell] scene triangle */
   double *radiosity;     /* owned [n_point, n_band] [W/m2]; NULL: left out */
   double *irradiance;    /* owned [n_point, n_band] [W/m2]; NULL: left out */
+  double *indicator;     /* owned [n_cell] |rho K (u* - u_h)| near the cell [W/m2], or NULL */
+  double *bound;         /* owned [n_cell] bound z of |u - u*| there [W/m2], or NULL */
 };
 
 struct rad_diagnostics {

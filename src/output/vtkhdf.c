@@ -180,6 +180,12 @@ static void write_cell_data(struct rad_hdf *h, hid_t root, const struct rad_resu
       average(p, n_band, field[k].value, cell);
       write_field(h, group, field[k].name, "W/m2", field[k].description, p->n_cell, n_band, cell);
     }
+  if (p->indicator)
+    write_field(h, group, "error_indicator", "W/m2", "largest |rho K (u* - u_h)| of the element",
+                p->n_cell, 1, p->indicator);
+  if (p->bound)
+    write_field(h, group, "error_bound", "W/m2", "bound z of |u - u*|, largest of the element",
+                p->n_cell, 1, p->bound);
   write_constants(h, group, r, cell);
   rad_hdf_group_close(h, group);
   free(cell);

@@ -84,7 +84,8 @@ static void copy_kept(struct rad_dense *dense, const struct task *t, const struc
     for (int c = el->first; o->kept[e] && c < el->first + el->n_function; c++)
       for (int r = t->first; r < t->first + t->n; r++)
         if (o->from[r] >= 0)
-          dense->k[(size_t)r + n * (size_t)c] = o->old->k[(size_t)o->from[r] + n_old * (size_t)o->from[c]];
+          dense->k[(size_t)r + n * (size_t)c] =
+              o->old->k[(size_t)o->from[r] + n_old * (size_t)o->from[c]];
   }
 }
 

@@ -16,15 +16,15 @@ struct rad_solve_report {
   enum rad_solver solver; /* used */
   int iterations;         /* GMRES steps or bounces; 0 for LU */
   int converged;
-  double kappa;        /* max rho K1 over the collocation points */
-  double inverse_norm; /* max w, w of (5.2): norm of the inverse operator; NAN: Neumann */
-  double residual;     /* max |E - u + rho K u| [W/m2] */
+  double kappa;              /* max rho K1 over the collocation points */
+  double inverse_norm;       /* max w, w of (5.2): norm of the inverse operator; NAN: Neumann */
+  double residual;           /* max |E - u + rho K u| [W/m2] */
   double condition_estimate; /* max norm, dgecon; NAN without LU */
   double remainder;          /* Neumann: bound of the bounces left out [W/m2]; 0 otherwise */
   double seconds_factor, seconds_solve;
 };
 
-enum { RAD_LU_UNKNOWNS = 2000 }; /* auto: LU up to here, GMRES beyond */
+enum { RAD_LU_UNKNOWNS = 600 }; /* auto: LU up to here, GMRES beyond */
 
 /* The solver that `auto` stands for. */
 enum rad_solver rad_solver_pick(enum rad_solver asked, double n);

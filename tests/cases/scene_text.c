@@ -40,17 +40,20 @@ void deck_cube(struct deck_text *d, const double rho[6], const double emission[6
     deck_polygon(d, name[f], 4, face[f], rho[f], emission[f]);
 }
 
-enum rad_code deck_solve(const struct deck_text *d, struct rad_case *c, struct rad_error *e) {
+enum rad_code deck_prepare(const struct deck_text *d, struct rad_case *c, struct rad_error *e) {
   char path[] = "/tmp/polyrad_case_XXXXXX";
   int file = mkstemp(path);
   if (file < 0 || write(file, d->text, (size_t)d->length) != d->length)
     abort();
   close(file);
   enum rad_code code = rad_case_prepare(path, 0, NULL, c, e);
-  if (!code)
-    code = rad_case_solve(c, e);
   unlink(path);
   return code;
+}
+
+enum rad_code deck_solve(const struct deck_text *d, struct rad_case *c, struct rad_error *e) {
+  enum rad_code code = deck_prepare(d, c, e);
+  return code ? code : rad_case_solve(c, e);
 }
 
 double surface_mean(const struct rad_case *c, const char *name, int irradiance) {

@@ -21,7 +21,8 @@ void deck_polygon(struct deck_text *d, const char *name, int n, const double (*c
 /* The unit cube seen from inside, six faces of two triangles; rho and emission per face. */
 void deck_cube(struct deck_text *d, const double rho[6], const double emission[6]);
 
-/* Written to a temporary file, read, prepared and solved; the file is removed. */
+/* Written to a temporary file, read and prepared, and solved; the file is removed. */
+enum rad_code deck_prepare(const struct deck_text *d, struct rad_case *c, struct rad_error *e);
 enum rad_code deck_solve(const struct deck_text *d, struct rad_case *c, struct rad_error *e);
 
 /* Area-weighted means over a surface (band 0). */

@@ -28,7 +28,7 @@ static void solve(const struct deck_text *d, struct rad_case *c) {
 
 static void all_one(const struct rad_case *c) {
   double worst = 0;
-  for (int i = 0; i < c->mesh.n_point; i++)
+  for (int i = 0; i < c->mesh->n_point; i++)
     worst = fmax(worst, fabs(c->u[i] - 1));
   ck_assert_msg(worst <= 1e-10, "largest |u - 1| is %g", worst);
 }
@@ -122,7 +122,7 @@ START_TEST(neumann) {
     deck_add(d, "method: {elements: 1, solver: neumann, bounces: %d}\n", bounces);
     solve(d, &part);
     double worst = 0;
-    for (int i = 0; i < full.mesh.n_point; i++)
+    for (int i = 0; i < full.mesh->n_point; i++)
       worst = fmax(worst, fabs(full.u[i] - part.u[i]));
     ck_assert_msg(worst <= part.report.remainder && worst < last,
                   "%d bounces: error %g, bound %g, before %g", bounces, worst,

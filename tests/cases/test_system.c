@@ -72,7 +72,7 @@ static double lambert(const struct rad_triangle *t, const double x[3], const dou
 START_TEST(row_sums) {
   struct rad_case c;
   solve(_i, "gmres", &c);
-  const struct rad_mesh *m = &c.mesh;
+  const struct rad_mesh *m = c.mesh;
   double worst = 0;
   for (int p = 0; p < m->n_point; p++) {
     const struct rad_triangle *target = &c.scene.triangle[rad_point_triangle(m, p)];
@@ -99,7 +99,7 @@ START_TEST(solvers_agree) {
   solve(_i, "lu", &lu);
   solve(_i, "gmres", &gmres);
   double worst = 0;
-  for (int p = 0; p < lu.mesh.n_point; p++)
+  for (int p = 0; p < lu.mesh->n_point; p++)
     worst = fmax(worst, fabs(lu.u[p] - gmres.u[p]));
   ck_assert_msg(worst < 1e-10, "LU and GMRES differ by %g", worst);
   ck_assert_double_lt(lu.report.residual, 1e-12);
@@ -138,8 +138,8 @@ START_TEST(bands) {
     deck_add(d, single, value[b][0], value[b][1], value[b][2], value[b][3], solver);
     code = deck_solve(d, &one, &e);
     ck_assert_msg(code == RAD_OK, "%s", e.text);
-    for (int p = 0; p < one.mesh.n_point; p++)
-      ck_assert_double_eq_tol(both.u[b * one.mesh.n_point + p], one.u[p], 1e-12);
+    for (int p = 0; p < one.mesh->n_point; p++)
+      ck_assert_double_eq_tol(both.u[b * one.mesh->n_point + p], one.u[p], 1e-12);
     rad_case_free(&one);
   }
   rad_case_free(&both);

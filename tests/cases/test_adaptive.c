@@ -1,0 +1,321 @@
+/* Ask for an accuracy: the true error meets it, the bound holds, and the unknowns are few.
+ *
+ * True error: against a run with a far smaller tolerance, at points that crowd to 1e-6 at edges and
+ * vertices. POLYRAD_TEST_FULL=1 runs all scenes and tolerances of docs/performance.md. */
+#include <check.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "estimate/adapt.h"
+#include "scene_text.h"
+#include "suite.h"
+
+/* ---- scenes ---------------------------------------------------------------------------------- */
+
+static const double s1[3][3][3] = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
+                                   {{0, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                                   {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}}};
+static const double s2[3][3][3] = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
+                                   {{0, 0, 0}, {0, 1, 0}, {1, 1, 1}},
+                                   {{0, 0, 0}, {1, 1, 1}, {1, 0, 0}}};
+
+static void three(struct deck_text *d, const double face[3][3][3], const double rho[3],
+                  const double e[3]) {
+  static const char *const name[] = {"one", "two", "three"};
+  for (int t = 0; t < 3; t++)
+    deck_polygon(d, name[t], 3, face[t], rho[t], e[t]);
+}
+
+static void angle(struct deck_text *d, double degrees) {
+  double c = degrees == 90 ? 0 : cos(degrees * M_PI / 180), s = sin(degrees * M_PI / 180);
+  double low[4][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  double high[4][3] = {{0, 0, 0}, {0, 1, 0}, {c, 1, s}, {c, 0, s}};
+  deck_polygon(d, "low", 4, (const double(*)[3])low, 0.9, 1);
+  deck_polygon(d, "high", 4, (const double(*)[3])high, 0.9, 0);
+}
+
+static void tetrahedron(struct deck_text *d) {
+  static const double v[4][3] = {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
+  static const int face[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  static const double rho[4] = {0.2, 0.9, 0.5, 0.6}, e[4] = {1, 0, 0.3, 0.2};
+  for (int f = 0; f < 4; f++) {
+    double corner[3][3];
+    char name[2] = {(char)('a' + f), 0};
+    for (int i = 0; i < 3; i++)
+      memcpy(corner[i], v[face[f][i]], sizeof corner[i]);
+    deck_polygon(d, name, 3, (const double(*)[3])corner, rho[f], e[f]);
+  }
+}
+
+static void box30(struct deck_text *d) {
+  static const double a = 30, rho = 0.5;
+  const double face[6][4][3] = {
+      {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 0, a}, {0, 1, a}, {1, 1, a}, {1, 0, a}},
+      {{0, 0, 0}, {0, 1, 0}, {0, 1, a}, {0, 0, a}}, {{1, 0, 0}, {1, 0, a}, {1, 1, a}, {1, 1, 0}},
+      {{0, 0, 0}, {0, 0, a}, {1, 0, a}, {1, 0, 0}}, {{0, 1, 0}, {1, 1, 0}, {1, 1, a}, {0, 1, a}}};
+  static const char *const name[] = {"floor", "ceiling", "x0", "x1", "y0", "y1"};
+  static const double e[6] = {0, 1, 0.2, 0, 0.3, 0.5};
+  for (int f = 0; f < 6; f++)
+    deck_polygon(d, name[f], 4, face[f], rho, e[f]);
+}
+
+enum { N_SCENE = 10 };
+
+static const char *make(int i, struct deck_text *d) {
+  static const double half[3] = {0.5, 0.5, 0.5}, e1[3] = {0.5, 1, 0.3};
+  static const double rho2[3] = {0.5, 1, 0.25}, e2[3] = {1, 0.2, 0.2}, e2x[3] = {0.2, 1, 0.2};
+  static const double rho6[6] = {0.1, 0.9, 0.3, 0.5, 0.7, 0.2}, e6[6] = {0, 1, 0.2, 0, 3, 0.5};
+  static const double degrees[4] = {10, 45, 90, 150};
+  static const char *const name[N_SCENE] = {"S1",       "S2",        "S2 exchanged", "angle 10",
+                                            "angle 45", "angle 90",  "angle 150",    "tetrahedron",
+                                            "cube",     "box 1:1:30"};
+  deck_begin(d);
+  if (i == 0)
+    three(d, s1, half, e1);
+  else if (i <= 2)
+    three(d, s2, rho2, i == 1 ? e2 : e2x);
+  else if (i <= 6)
+    angle(d, degrees[i - 3]);
+  else if (i == 7)
+    tetrahedron(d);
+  else if (i == 8)
+    deck_cube(d, rho6, e6);
+  else
+    box30(d);
+  return name[i];
+}
+
+/* ---- true errors ----------------------------------------------------------------------------- */
+
+enum { SIDE = 11 };
+
+/* u* at points that crowd at the edge and corner of every sub-triangle; returns their number. */
+static int star(const struct rad_scene *s, const struct rad_adaptive *a, double **value) {
+  static const double q[SIDE] = {1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.03, 0.1, 0.25, 0.5, 0.8, 1};
+  int n = s->n_triangle * RAD_N_SUB * SIDE * SIDE, at = 0;
+  int *triangle = malloc(sizeof(int) * (size_t)n), *base = malloc(sizeof(int) * (size_t)n);
+  double(*mu)[2] = malloc(sizeof *mu * (size_t)n), *u = malloc(sizeof *u * (size_t)n);
+  for (int k = 0; k < s->n_triangle * RAD_N_SUB; k++) {
+    struct rad_patch p;
+    rad_patch_sub_triangle(s, k / RAD_N_SUB, k % RAD_N_SUB, RAD_ANGLE_POLAR, &p);
+    for (int i = 0; i < SIDE * SIDE; i++, at++) {
+      triangle[at] = p.triangle;
+      base[at] = p.base;
+      rad_patch_mu(&p, q[i % SIDE], q[i / SIDE], mu[at]);
+    }
+  }
+  struct rad_point_list list = {n, triangle, base, (const double(*)[2])mu};
+  struct rad_error e;
+  ck_assert_int_eq(rad_irradiance_at(a->mesh, &a->rules, a->dense.sees, &list, 1, a->u, u, &e),
+                   RAD_OK);
+  for (int i = 0; i < n; i++)
+    u[i] = rad_emission(s, triangle[i], 0, base[i], mu[i]) + s->rho[triangle[i]] * u[i];
+  free(triangle);
+  free(base);
+  free(mu);
+  *value = u;
+  return n;
+}
+
+static void adapt(const struct rad_scene *s, double tolerance, struct rad_adaptive *a) {
+  struct rad_goal goal = {.tolerance = tolerance, .memory = rad_memory_available()};
+  struct rad_error e;
+  enum rad_code code = rad_adapt(s, &goal, a, &e);
+  ck_assert_msg(code == RAD_OK, "%s", e.text);
+  ck_assert_msg(a->reason[0] == 0, "tolerance %g not reached: %s", tolerance, a->reason);
+}
+
+static void hold(int scene, double reference, int n, const double *tolerance) {
+  struct deck_text *d = malloc(sizeof *d);
+  struct rad_case c;
+  struct rad_error e;
+  struct rad_adaptive a;
+  double *exact, *u, most = 0;
+  const char *name = make(scene, d);
+  enum rad_code code = deck_prepare(d, &c, &e);
+  ck_assert_msg(code == RAD_OK, "%s", e.text);
+  adapt(&c.scene, reference, &a);
+  int points = star(&c.scene, &a, &exact);
+  rad_adaptive_free(&a);
+  for (int i = 0; i < points; i++)
+    most = fmax(most, fabs(exact[i]));
+  for (int t = 0; t < n; t++) {
+    double error = 0;
+    adapt(&c.scene, tolerance[t], &a);
+    star(&c.scene, &a, &u);
+    for (int i = 0; i < points; i++)
+      error = fmax(error, fabs(u[i] - exact[i]) / most);
+    if (getenv("POLYRAD_TEST_VERBOSE"))
+      printf("%-14s tolerance %-6g unknowns %6d  true error %.2e  bound %.2e\n", name, tolerance[t],
+             a.mesh->n_point, error, a.bound);
+    ck_assert_msg(error <= tolerance[t], "%s: true error %g", name, error);
+    ck_assert_msg(error <= a.bound + reference && a.bound <= 30 * error + reference,
+                  "%s: bound %g, true error %g", name, a.bound, error);
+    if (scene == 0)
+      ck_assert_int_le(a.mesh->n_point, tolerance[t] >= 1e-3   ? 300
+                                        : tolerance[t] >= 1e-6 ? 2000
+                                                               : 6000);
+    free(u);
+    rad_adaptive_free(&a);
+  }
+  free(exact);
+  rad_case_free(&c);
+  free(d);
+}
+
+START_TEST(meets_tolerances) {
+  static const double tolerance[] = {1e-2, 1e-3, 1e-4, 1e-6, 1e-8};
+  int full = getenv("POLYRAD_TEST_FULL") != NULL, fine = _i == 0 || _i == 8;
+  if (full)
+    hold(_i, fine ? 5e-10 : 3e-8, fine ? 5 : 4, tolerance);
+  else if (_i == 0)
+    hold(_i, 1e-7, 4, tolerance);
+  else
+    hold(_i, _i < 8 ? 1e-5 : 1e-4, _i < 8 ? 2 : 1, tolerance);
+}
+END_TEST
+
+/* ---- limits ---------------------------------------------------------------------------------- */
+
+/* u of S1 with E = 1 and rho = .5 tends to 1.6 on every ray into the origin: the faces see three
+ * quarters of each other's cones, u = 1 + .5 (3/4) u. */
+START_TEST(vertex_limit) {
+  static const double half[3] = {0.5, 0.5, 0.5}, one[3] = {1, 1, 1};
+  struct deck_text *d = malloc(sizeof *d);
+  struct rad_case c;
+  struct rad_error e;
+  struct rad_adaptive a;
+  deck_begin(d);
+  three(d, s1, half, one);
+  ck_assert_int_eq(deck_prepare(d, &c, &e), RAD_OK);
+  adapt(&c.scene, 1e-6, &a);
+  int triangle[9], base[9] = {0};
+  double mu[9][2], h[9];
+  for (int i = 0; i < 9; i++) {
+    double angle = M_PI / 2 * (i + 1) / 10, r = 1e-9;
+    triangle[i] = 0;
+    mu[i][0] = r * cos(angle);
+    mu[i][1] = r * sin(angle);
+  }
+  struct rad_point_list list = {9, triangle, base, (const double(*)[2])mu};
+  ck_assert_int_eq(rad_irradiance_at(a.mesh, &a.rules, a.dense.sees, &list, 1, a.u, h, &e), RAD_OK);
+  for (int i = 0; i < 9; i++)
+    ck_assert_msg(fabs(1 + 0.5 * h[i] - 1.6) <= 2e-6 * 1.6, "ray %d: u = %.9f", i, 1 + 0.5 * h[i]);
+  rad_adaptive_free(&a);
+  rad_case_free(&c);
+  free(d);
+}
+END_TEST
+
+/* At an edge u1 = E1 + rho1 ((1 + cos gamma)/2 u2 + rest): of two squares at 45 degrees nothing
+ * else is seen, so the rest is 0. u approaches its limit like s^.46: s = 1e-18 leaves 1e-8. */
+START_TEST(edge_limit) {
+  struct deck_text *d = malloc(sizeof *d);
+  struct rad_case c;
+  struct rad_error e;
+  struct rad_adaptive a;
+  make(4, d);
+  ck_assert_int_eq(deck_prepare(d, &c, &e), RAD_OK);
+  adapt(&c.scene, 1e-6, &a);
+  double u[2][3];
+  for (int side = 0; side < 2; side++)
+    for (int i = 0; i < 3; i++) {
+      double t = 0.2 + 0.3 * i, h;
+      int low = 0;
+      for (int k = 0; k < c.scene.n_triangle;
+           k++) { /* the triangle of that side on the edge x = z = 0 */
+        const struct rad_triangle *tri = &c.scene.triangle[k];
+        int on = 0;
+        for (int v = 0; v < 3; v++)
+          on += tri->v[v][0] == 0 && tri->v[v][2] == 0;
+        if (on == 2 && tri->surface == side)
+          low = k;
+      }
+      const struct rad_triangle *tri = &c.scene.triangle[low];
+      int base = 0;
+      while (!(tri->v[base][0] == 0 && tri->v[base][1] == 0))
+        base++;
+      int next_on_edge = tri->v[(base + 1) % 3][0] == 0 && tri->v[(base + 1) % 3][2] == 0;
+      double mu[1][2] = {{next_on_edge ? t : 1e-18, next_on_edge ? 1e-18 : t}};
+      struct rad_point_list list = {1, &low, &base, (const double(*)[2])mu};
+      ck_assert_int_eq(rad_irradiance_at(a.mesh, &a.rules, a.dense.sees, &list, 1, a.u, &h, &e),
+                       RAD_OK);
+      u[side][i] = rad_emission(&c.scene, low, 0, base, mu[0]) + 0.9 * h;
+    }
+  double most = a.indicator.scale[0], half = 0.5 * (1 + cos(M_PI / 4));
+  for (int i = 0; i < 3; i++) {
+    ck_assert_msg(fabs(u[0][i] - (1 + 0.9 * half * u[1][i])) <= 3e-6 * most, "low: %.9f %.9f",
+                  u[0][i], u[1][i]);
+    ck_assert_msg(fabs(u[1][i] - 0.9 * half * u[0][i]) <= 3e-6 * most, "high: %.9f %.9f", u[0][i],
+                  u[1][i]);
+  }
+  rad_adaptive_free(&a);
+  rad_case_free(&c);
+  free(d);
+}
+END_TEST
+
+/* Black faces have no rows, unlit ones no light: the rest is as before. */
+START_TEST(black_and_unlit_faces) {
+  static const double rho[3] = {0, 0.5, 0.5}, emission[3] = {1, 0, 0};
+  struct deck_text *d = malloc(sizeof *d);
+  struct rad_case adaptive, paper;
+  struct rad_error e;
+  deck_begin(d);
+  three(d, s1, rho, emission);
+  deck_polygon(d, "away", 3, (const double[3][3]){{5, 5, 5}, {6, 5, 5}, {5, 6, 5}}, 0.5, 0);
+  int head = d->length;
+  deck_add(d, "accuracy: {tolerance: 1e-5}\n");
+  ck_assert_int_eq(deck_solve(d, &adaptive, &e), RAD_OK);
+  d->length = head;
+  deck_add(d, "method: {mesh: graded, grading: 3, degree: 7, elements: 1}\n");
+  ck_assert_int_eq(deck_solve(d, &paper, &e), RAD_OK);
+  ck_assert(adaptive.adaptive.layout.passive[0] && adaptive.adaptive.layout.passive[3]);
+  static const char *const name[] = {"one", "two", "three", "away"};
+  for (int f = 0; f < 4; f++)
+    for (int h = 0; h < 2; h++)
+      ck_assert_double_eq_tol(surface_mean(&adaptive, name[f], h), surface_mean(&paper, name[f], h),
+                              1e-5);
+  rad_case_free(&adaptive);
+  rad_case_free(&paper);
+  free(d);
+}
+END_TEST
+
+/* A tolerance below what doubles allow, or memory: the best result, and the reason. */
+START_TEST(unreachable) {
+  struct deck_text *d = malloc(sizeof *d);
+  struct rad_case c;
+  struct rad_error e;
+  struct rad_adaptive a;
+  make(0, d);
+  ck_assert_int_eq(deck_prepare(d, &c, &e), RAD_OK);
+  struct rad_goal memory = {.tolerance = 1e-9, .memory = 3e7};
+  ck_assert_int_eq(rad_adapt(&c.scene, &memory, &a, &e), RAD_OK);
+  ck_assert_msg(strstr(a.reason, "memory"), "reason: %s", a.reason);
+  ck_assert(a.bound > 1e-9 && a.bound < 1e-2 && a.mesh->n_point > 100);
+  rad_adaptive_free(&a);
+  struct rad_goal rounding = {.tolerance = 1e-3, .quadrature_tolerance = 1e-2, .memory = 1e9};
+  ck_assert_int_eq(rad_adapt(&c.scene, &rounding, &a, &e), RAD_OK);
+  ck_assert_msg(strstr(a.reason, "inner tolerances"), "reason: %s", a.reason);
+  rad_adaptive_free(&a);
+  rad_case_free(&c);
+  free(d);
+}
+END_TEST
+
+int main(void) {
+  Suite *s = suite_create("adaptive");
+  TCase *c = tcase_create("adaptive");
+  tcase_set_timeout(c, 1800);
+  tcase_add_loop_test(c, meets_tolerances, 0, N_SCENE);
+  tcase_add_test(c, vertex_limit);
+  tcase_add_test(c, edge_limit);
+  tcase_add_test(c, black_and_unlit_faces);
+  tcase_add_test(c, unreachable);
+  suite_add_tcase(s, c);
+  return run_suite(s);
+}
