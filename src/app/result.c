@@ -292,6 +292,8 @@ static void set_diagnostics(const struct rad_case *c, struct rad_diagnostics *d)
                                 .kappa = c->report.kappa,
                                 .error_indicator = c->is_adaptive ? indicator(c) : NAN,
                                 .error_bound = c->is_adaptive ? c->adaptive.bound * scale(c) : NAN,
+                                .error_bound_limit =
+                                    c->is_adaptive ? c->adaptive.bound_limit * scale(c) : NAN,
                                 .residual = c->report.residual,
                                 .iterations = c->report.iterations,
                                 .condition_estimate = c->report.condition_estimate,

@@ -71,8 +71,11 @@ static void print_solution(const struct rad_case *c, const struct rad_result *r,
   if (c->is_adaptive) {
     fprintf(out, "  mesh     adaptive, %d levels: %d elements, %d unknowns\n", c->adaptive.levels,
             c->mesh->n_element, c->mesh->n_point);
-    fprintf(out, "  error    at most %.2e W/m2, %.2e of the largest radiosity\n", d->error_bound,
-            c->adaptive.bound);
+    fprintf(out,
+            "  error    at most %.2e W/m2, %.2e of the largest radiosity; nearer than 1e-7 to "
+            "edges and "
+            "vertices %.2e\n",
+            d->error_bound, c->adaptive.bound, c->adaptive.bound_limit);
   }
   fprintf(out, "  matrix   dense, %.3g MB; %lld near and %lld far pairs, %lld skipped\n",
           c->plan.matrix_bytes / 1e6, (long long)d->pairs_near, (long long)d->pairs_far,

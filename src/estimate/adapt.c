@@ -114,8 +114,9 @@ static void set_bound(struct rad_adaptive *a) {
     if (a->indicator.scale[b] > 0)
       least = fmin(least, a->indicator.scale[b]);
   double residual = isinf(least) ? 0 : a->report.residual / least;
-  a->bound = (SAFETY * a->indicator.worst + 2 * a->quadrature + residual) *
-             fmax(a->report.inverse_norm, 1);
+  double rest = 2 * a->quadrature + residual, norm = fmax(a->report.inverse_norm, 1);
+  a->bound = (SAFETY * a->indicator.worst + rest) * norm;
+  a->bound_limit = (SAFETY * a->indicator.limit + rest) * norm;
 }
 
 /* z = (I - rho K)^{-1} g with the largest |rho K d| of each element as g: pointwise bound. */

@@ -22,7 +22,8 @@ struct rad_adaptive {
   double *rho, *emission, *u, *h; /* owned [n_band, n_point] */
   struct rad_solve_report report;
   struct rad_indicator indicator;
-  double bound;          /* of max |u - u*| over max |u| */
+  double bound;          /* of max |u - u*| over max |u|, from 1e-7 of edges and vertices on */
+  double bound_limit;    /* the same right up to edges and vertices */
   double *element_bound; /* owned [n_element] z of (6.2), largest of the element, over max |u| */
   double quadrature;     /* tolerance of the matrix entries */
   int levels;

@@ -20,7 +20,7 @@ struct work {
   struct rad_point_list check;
   int *place;                    /* owned [n check, 2]: triangle, base */
   double (*mu)[2];               /* owned [n check] */
-  int *element;                  /* owned [n check] element of the check point */
+  int *element;                  /* owned [n check] element of the check point; -1: a limit point */
   double *total, *largest, *sum; /* owned [n check] |rho K d|, largest part, sum of parts */
   double *part;                  /* owned [threads, n_element] */
   struct rad_indicator *x;
@@ -158,18 +158,18 @@ static void modes(struct work *w, int i) {
 
 /* ---- rho K d at the check points ------------------------------------------------------------ */
 
-/* Position i of n in [lo, hi] of a variable with exponent p: from the very edge inwards. */
+/* Position i of n in [lo, hi] of a variable with exponent p: from 1e-7 of the very edge inwards;
+ * i == n is the limit at the edge. */
 static double check_at(int i, int n, double lo, double hi, double p) {
-  double edge = pow(1e-7, 1 / p); /* value 1e-7, closer than any point of interest */
-  double z = 0.5 * (1 - cos(M_PI * i / (n - 1)));
-  if (i == 0 && lo == 0)
-    return pow(edge, p);
-  double s = lo + (hi - lo) * (0.002 + 0.996 * z);
+  if (lo == 0 && (i == 0 || i == n))
+    return i == n ? RAD_LIMIT : RAD_NEAREST;
+  double s = lo + (hi - lo) * (0.002 + 0.996 * 0.5 * (1 - cos(M_PI * i / (n - 1))));
   return p == 1 ? s : pow(s, p);
 }
 
 static enum rad_code set_checks(struct work *w, int n, struct rad_error *e) {
-  size_t most = (size_t)w->mesh->n_element * (size_t)(n * n);
+  int side = n + 1;
+  size_t most = (size_t)w->mesh->n_element * (size_t)(side * side);
   w->place = rad_alloc(2 * most, sizeof(int));
   w->mu = rad_alloc(most, sizeof *w->mu);
   w->element = rad_alloc(most, sizeof(int));
@@ -182,13 +182,16 @@ static enum rad_code set_checks(struct work *w, int n, struct rad_error *e) {
   for (int i = 0; i < w->mesh->n_element; i++) {
     const struct rad_element *el = &w->mesh->element[i];
     const struct rad_patch *patch = &w->mesh->patch[el->patch];
-    for (int q = 0; q < n * n && !passive(w, i); q++, at++) {
-      double phi = check_at(q % n, n, el->sigma[0], el->sigma[1], el->p_phi);
-      double r = check_at(q / n, n, el->tau[0], el->tau[1], el->p_r);
+    for (int q = 0; q < side * side && !passive(w, i); q++) {
+      int limit = q % side == n || q / side == n;
+      if ((q % side == n && el->sigma[0] > 0) || (q / side == n && el->tau[0] > 0))
+        continue;
+      double phi = check_at(q % side, n, el->sigma[0], el->sigma[1], el->p_phi);
+      double r = check_at(q / side, n, el->tau[0], el->tau[1], el->p_r);
       triangle[at] = patch->triangle;
       base[at] = patch->base;
       rad_patch_mu(patch, phi, r, w->mu[at]);
-      w->element[at] = i;
+      w->element[at++] = limit ? -1 : i;
     }
   }
   w->check = (struct rad_point_list){at, triangle, base, (const double(*)[2])w->mu};
@@ -218,7 +221,8 @@ static void add_parts(void *context, int thread, int first, int m, const double 
           total += c;
           sum += fabs(c);
           largest = fmax(largest, fabs(c));
-          part[e] = fmax(part[e], fabs(c));
+          if (w->element[first + i] >= 0)
+            part[e] = fmax(part[e], fabs(c));
         }
       }
       int at = first + i;
@@ -242,6 +246,9 @@ static enum rad_code check(struct work *w, struct rad_error *e) {
       x->part[i] = fmax(x->part[i], w->part[(size_t)t * (size_t)n_element + (size_t)i]);
   x->spread = 1;
   for (int c = 0; c < w->check.n && !code; c++) {
+    x->limit = fmax(x->limit, w->total[c]);
+    if (w->element[c] < 0)
+      continue;
     x->local[w->element[c]] = fmax(x->local[w->element[c]], w->total[c]);
     if (w->total[c] > x->worst) {
       x->worst = w->total[c];

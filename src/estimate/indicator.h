@@ -17,6 +17,7 @@
 struct rad_indicator {
   double *scale; /* owned [n_band] max |u*| found [W/m2] */
   double worst;  /* max over check points and bands of |rho K d| / scale */
+  double limit;  /* the same with the limits at edges and vertices */
   double spread; /* at that point: sum |parts of the elements| over the largest */
   double change; /* max |d| / scale */
   double *local; /* owned [n_element] max of |rho K d| / scale at the element's check points */
@@ -28,6 +29,10 @@ struct rad_indicator {
 };
 
 enum { RAD_MORE = 2 };
+
+/* Distance of the check points nearest to edges and vertices, as phi or r; and of limit points. */
+#define RAD_NEAREST 1e-7
+#define RAD_LIMIT 1e-25
 
 /**
  * @param[in]  u  [n_band, n_point] solution on mesh

@@ -242,6 +242,7 @@ static void set_reals(struct rad_hdf *h, hid_t group, const struct rad_diagnosti
       {"kappa", d->kappa},
       {"error_indicator", d->error_indicator},
       {"error_bound", d->error_bound},
+      {"error_bound_limit", d->error_bound_limit},
       {"residual", d->residual},
       {"condition_estimate", d->condition_estimate},
       {"matrix_bytes", d->matrix_bytes},

@@ -24,9 +24,10 @@ struct rad_picture {
 
 struct rad_diagnostics {
   int64_t unknowns, elements;
-  double kappa;              /* max over collocation points of rho * K1 */
-  double error_indicator;    /* max |u* - u_h| at check points [W/m2]; NAN when not computed */
-  double error_bound;        /* bound of max |u - u*| [W/m2]; NAN when not computed */
+  double kappa;           /* max over collocation points of rho * K1 */
+  double error_indicator; /* max |u* - u_h| at check points [W/m2]; NAN when not computed */
+  double error_bound; /* bound of max |u - u*| from 1e-7 of edges on [W/m2]; NAN: not computed */
+  double error_bound_limit;  /* the same right up to edges and vertices [W/m2] */
   double residual;           /* max norm of E - u + K u at the collocation points [W/m2] */
   int iterations;            /* of the solver; 0 for LU */
   double condition_estimate; /* in the max norm, from dgecon; NAN without LU */
