@@ -312,6 +312,11 @@ static void set_diagnostics(const struct rad_case *c, struct rad_diagnostics *d)
                                 .seconds_estimate = c->seconds_estimate};
 }
 
+/* The first number of a list of triples, or NULL. */
+static const double *exponents(double (*list)[3]) {
+  return list ? list[0] : NULL;
+}
+
 enum rad_code rad_case_result(const struct rad_case *c, const char *command, struct rad_result *r,
                               struct rad_error *e) {
   size_t means = (size_t)c->scene.n_triangle * (size_t)c->scene.n_band;
@@ -321,6 +326,8 @@ enum rad_code rad_case_result(const struct rad_case *c, const char *command, str
                            .matrix = "dense",
                            .solver = solver_name(c->report.solver),
                            .threads = omp_get_max_threads(),
+                           .edge_exponent = exponents(c->adaptive.layout.exponents.beta),
+                           .vertex_exponent = exponents(c->adaptive.layout.exponents.alpha),
                            .triangle_radiosity = rad_alloc(means, sizeof(double)),
                            .triangle_irradiance = rad_alloc(means, sizeof(double))};
   if (!r->triangle_radiosity || !r->triangle_irradiance)

@@ -31,6 +31,64 @@ static void print_head(const struct rad_case *c, FILE *out) {
           c->mesh->n_point);
 }
 
+/* What an adaptive run leaves out, and why. */
+static void print_passive(const struct rad_layout *l, FILE *out) {
+  static const char *const why[] = {NULL, "black", "unlit", "seeing nothing"};
+  int n_triangle = l->scene->n_triangle;
+  for (int reason = RAD_BLACK; reason <= RAD_ALONE; reason++) {
+    int n = 0;
+    for (int t = 0; t < n_triangle; t++)
+      n += l->passive[t] == reason;
+    if (n)
+      fprintf(out, "  left out unknowns on %d triangle%s: %s, u = E there\n", n, n > 1 ? "s" : "",
+              why[reason]);
+  }
+}
+
+static void print_exponent(FILE *out, double x, double tolerance) {
+  if (x < 1)
+    fprintf(out, " %8.6f p=%d", x, rad_layout_grading(x, tolerance));
+  else
+    fprintf(out, " %12s", "-");
+}
+
+/* Exponents and gradings, for scenes that a person can read. */
+static void print_exponents(const struct rad_case *c, const struct rad_layout *l, FILE *out) {
+  enum { READABLE = 24 };
+  int n = c->scene.n_triangle < READABLE ? c->scene.n_triangle : READABLE;
+  fprintf(out, "  exponents of triangles: edges v0v1, v1v2, v2v0; vertices v0, v1, v2\n");
+  for (int t = 0; t < n; t++) {
+    fprintf(out, "  %4d %-12.12s", t + 1, c->scene.surface_name[c->scene.triangle[t].surface]);
+    for (int i = 0; i < 3; i++)
+      print_exponent(out, l->exponents.beta[t][i], c->tolerance);
+    fprintf(out, "  |");
+    for (int i = 0; i < 3; i++)
+      print_exponent(out, l->exponents.alpha[t][i], c->tolerance);
+    fprintf(out, "\n");
+  }
+  if (n < c->scene.n_triangle)
+    fprintf(out, "  and %d more triangles\n", c->scene.n_triangle - n);
+}
+
+/* polyrad check of an adaptive run: its start; where it ends, only solving can tell. */
+static enum rad_code check_adaptive(const struct rad_case *c, FILE *out, struct rad_error *e) {
+  struct rad_layout l = {0};
+  unsigned char *sees = rad_sees(&c->scene);
+  enum rad_code code = sees ? rad_layout_begin(&c->scene, sees, c->tolerance, &l, e)
+                            : rad_fail_memory(e, "the table of facing triangles", 0);
+  if (!code) {
+    double unknowns = rad_layout_unknowns(&l);
+    fprintf(out, "  mesh     adaptive, starts with %d elements, %.0f unknowns, %.4g MB\n", l.n_leaf,
+            unknowns, 8e-6 * unknowns * unknowns);
+    fprintf(out, "  memory   %.4g MB available\n", rad_memory_available() / 1e6);
+    print_passive(&l, out);
+    print_exponents(c, &l, out);
+  }
+  rad_layout_free(&l);
+  free(sees);
+  return code;
+}
+
 static void print_means(const struct rad_case *c, const struct rad_result *r, FILE *out) {
   int nb = c->scene.n_band;
   fprintf(out, "  surface %-16s area [m2]   mean radiosity [W/m2]   mean irradiance [W/m2]\n", "");
@@ -71,6 +129,7 @@ static void print_solution(const struct rad_case *c, const struct rad_result *r,
   if (c->is_adaptive) {
     fprintf(out, "  mesh     adaptive, %d levels: %d elements, %d unknowns\n", c->adaptive.levels,
             c->mesh->n_element, c->mesh->n_point);
+    print_passive(&c->adaptive.layout, out);
     fprintf(out,
             "  error    at most %.2e W/m2, %.2e of the largest radiosity; nearer than 1e-7 to "
             "edges and "
@@ -172,6 +231,7 @@ enum rad_code rad_app_check(const struct rad_command *command, struct rad_error 
   print_notes(&c, command->log);
   if (!code && c.is_adaptive) {
     print_head(&c, command->out);
+    code = check_adaptive(&c, command->out, e);
     rad_case_free(&c);
     return code;
   }

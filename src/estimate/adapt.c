@@ -1,6 +1,7 @@
 #include "estimate/adapt.h"
 
 #include <math.h>
+#include <omp.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -182,18 +183,13 @@ static enum rad_code refine(const struct rad_goal *g, struct rad_adaptive *a, st
   return code;
 }
 
-/* Unknowns of the present layout. */
-static double unknowns(const struct rad_layout *l) {
-  double n = 0;
-  for (int i = 0; i < l->n_leaf; i++)
-    n += (double)l->leaf[i].k_phi * l->leaf[i].k_r;
-  return n;
-}
-
 /* Bytes of the level to come beside the one that lends its blocks. */
 static double bytes(const struct rad_goal *g, const struct rad_layout *l, double before) {
-  double n = unknowns(l);
-  return rad_solver_bytes(rad_solver_pick(g->solver, n), n, l->scene->n_band) + 8 * before * before;
+  double n = rad_layout_unknowns(l);
+  double estimate =
+      omp_get_max_threads() * 2.5e7 + 500 * n; /* rows at points; fine values, checks */
+  return rad_solver_bytes(rad_solver_pick(g->solver, n), n, l->scene->n_band) +
+         8 * before * before + estimate;
 }
 
 static enum rad_code estimate(struct rad_adaptive *a, int check, struct rad_error *e) {
@@ -259,7 +255,7 @@ enum rad_code rad_adapt(const struct rad_scene *scene, const struct rad_goal *g,
       snprintf(
           a->reason, sizeof a->reason,
           "the next level, with %.0f unknowns, needs %.3g GB of memory and %.3g GB are available",
-          unknowns(&a->layout), bytes(g, &a->layout, n) / 1e9, g->memory / 1e9);
+          rad_layout_unknowns(&a->layout), bytes(g, &a->layout, n) / 1e9, g->memory / 1e9);
       break;
     }
   }

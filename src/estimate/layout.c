@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "base/memory.h"
-#include "mesh/exponents.h"
 
 /* A graded leaf [0, b] is split at this part of b, a plain one in the middle. */
 #define SPLIT_GRADED 0.2
@@ -60,7 +59,7 @@ static int sees_any(const unsigned char *sees, int n, int i) {
 }
 
 /* Grading exponent: p beta near 1.5 for 1e-3, 2.4 for 1e-6, 3 for 1e-8 (docs/performance.md). */
-static int grading_for(double exponent, double tolerance) {
+int rad_layout_grading(double exponent, double tolerance) {
   if (!(exponent < 1))
     return 1;
   double p = (0.6 - 0.3 * log10(tolerance)) / exponent;
@@ -98,8 +97,8 @@ static enum rad_code add_six(struct rad_layout *l, int t, const struct rad_expon
   for (int s = 0; s < RAD_N_SUB && !code; s++) {
     int p = l->n_patch++, edge = s / 2, vertex = s % 2 ? (edge + 1) % 3 : edge;
     rad_patch_sub_triangle(l->scene, t, s, RAD_ANGLE_POLAR, &l->patch[p]);
-    l->p_phi[p] = grading_for(x->beta[t][edge], tolerance);
-    l->p_r[p] = grading_for(x->alpha[t][vertex], tolerance);
+    l->p_phi[p] = rad_layout_grading(x->beta[t][edge], tolerance);
+    l->p_r[p] = rad_layout_grading(x->alpha[t][vertex], tolerance);
     code = add_leaf(
         l, (struct rad_leaf){p, {0, 1}, {0, 1}, l->p_phi[p] > 1 ? 4 : 3, l->p_r[p] > 1 ? 4 : 3, -1},
         e);
@@ -118,7 +117,10 @@ static enum rad_code add_triangle(struct rad_layout *l, int t, const unsigned ch
                                   const struct rad_exponents *x, double tolerance,
                                   struct rad_error *e) {
   const struct rad_scene *s = l->scene;
-  l->passive[t] = black(s, t) || !lit || !sees_any(sees, s->n_triangle, t);
+  l->passive[t] = !sees_any(sees, s->n_triangle, t) ? RAD_ALONE
+                  : black(s, t)                     ? RAD_BLACK
+                  : !lit                            ? RAD_UNLIT
+                                                    : RAD_ACTIVE;
   if (l->passive[t])
     return add_plain(l, t, constant(s, t) ? 1 : 2, e);
   return singular(x, t) ? add_six(l, t, x, tolerance, e) : add_plain(l, t, 3, e);
@@ -138,19 +140,17 @@ static enum rad_code allocate(struct rad_layout *l, struct rad_error *e) {
 enum rad_code rad_layout_begin(const struct rad_scene *scene, const unsigned char *sees,
                                double tolerance, struct rad_layout *l, struct rad_error *e) {
   *l = (struct rad_layout){.scene = scene};
-  struct rad_exponents x = {0};
   unsigned char *lit = rad_calloc((size_t)scene->n_triangle, 1);
   int *queue = rad_alloc((size_t)scene->n_triangle, sizeof(int));
   enum rad_code code = allocate(l, e);
   if (!code && (!lit || !queue))
     code = rad_fail_memory(e, "the adaptive mesh", 5.0 * scene->n_triangle);
   if (!code)
-    code = rad_scene_exponents(scene, &x, e);
+    code = rad_scene_exponents(scene, &l->exponents, e);
   if (!code)
     spread_light(scene, sees, lit, queue);
   for (int t = 0; t < scene->n_triangle && !code; t++)
-    code = add_triangle(l, t, sees, lit[t], &x, tolerance, e);
-  rad_exponents_free(&x);
+    code = add_triangle(l, t, sees, lit[t], &l->exponents, tolerance, e);
   free(lit);
   free(queue);
   return code;
@@ -162,7 +162,16 @@ void rad_layout_free(struct rad_layout *l) {
   free(l->p_r);
   free(l->leaf);
   free(l->passive);
+  rad_exponents_free(&l->exponents);
   *l = (struct rad_layout){0};
+}
+
+double rad_layout_unknowns(const struct rad_layout *l) {
+  double n = 0;
+  for (int i = 0; i < l->n_leaf; i++)
+    if (!l->passive[l->patch[l->leaf[i].patch].triangle])
+      n += (double)l->leaf[i].k_phi * l->leaf[i].k_r;
+  return n;
 }
 
 static double root(double x, int p) {

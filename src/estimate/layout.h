@@ -2,6 +2,7 @@
 #ifndef RAD_ESTIMATE_LAYOUT_H
 #define RAD_ESTIMATE_LAYOUT_H
 
+#include "mesh/exponents.h"
 #include "mesh/mesh.h"
 
 /* One element to be: a rectangle of its patch. Graded variables only where it touches phi = 0 or
@@ -13,13 +14,17 @@ struct rad_leaf {
   int origin;     /* the same element in the mesh before, or -1 */
 };
 
+/* Why a triangle needs no unknowns. */
+enum rad_passive { RAD_ACTIVE, RAD_BLACK, RAD_UNLIT, RAD_ALONE };
+
 struct rad_layout {
   const struct rad_scene *scene; /* borrowed */
   int n_patch, n_leaf, room;
   struct rad_patch *patch; /* owned [n_patch], by triangle */
   int *p_phi, *p_r;        /* owned [n_patch] grading exponents; 1: nothing singular there */
   struct rad_leaf *leaf;   /* owned [n_leaf], by patch */
-  unsigned char *passive;  /* owned [n_triangle] 1: u = E is known there, no rows are needed */
+  unsigned char *passive;  /* owned [n_triangle] enum rad_passive: u = E is known, no rows needed */
+  struct rad_exponents exponents; /* owned: what the gradings come from */
 };
 
 enum { RAD_MAX_POINTS_1D = 18 }; /* largest k of an adaptive element */
@@ -36,6 +41,12 @@ enum { RAD_MAX_POINTS_1D = 18 }; /* largest k of an adaptive element */
 enum rad_code rad_layout_begin(const struct rad_scene *scene, const unsigned char *sees,
                                double tolerance, struct rad_layout *l, struct rad_error *e);
 void rad_layout_free(struct rad_layout *l); /* safe twice */
+
+/* Unknowns: points of the triangles that are not passive. */
+double rad_layout_unknowns(const struct rad_layout *l);
+
+/* The grading exponent p for a singularity s^exponent; 1 if there is none. */
+int rad_layout_grading(double exponent, double tolerance);
 
 /* The mesh of the layout, with `more` additional points per direction in every element. */
 enum rad_code rad_layout_mesh(const struct rad_layout *l, int more, struct rad_mesh *mesh,

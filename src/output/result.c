@@ -156,6 +156,22 @@ static void write_triangles(struct rad_hdf *h, hid_t root, const struct rad_resu
   const hid_t group = rad_hdf_group(h, root, "triangles");
   for (size_t k = 0; k < sizeof column / sizeof *column; k++)
     rad_hdf_array(h, group, &column[k]);
+  const struct rad_hdf_array exponent[] = {{"edge_exponent",
+                                            "1",
+                                            "beta of edges v0v1, v1v2, v2v0; inf: not singular",
+                                            RAD_HDF_REAL,
+                                            2,
+                                            {n, 3},
+                                            r->edge_exponent},
+                                           {"vertex_exponent",
+                                            "1",
+                                            "alpha of vertices v0, v1, v2; inf: not singular",
+                                            RAD_HDF_REAL,
+                                            2,
+                                            {n, 3},
+                                            r->vertex_exponent}};
+  for (size_t k = 0; k < 2 && r->edge_exponent && r->vertex_exponent; k++)
+    rad_hdf_array(h, group, &exponent[k]);
   rad_hdf_group_close(h, group);
   geometry_free(&g);
 }

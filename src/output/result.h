@@ -47,16 +47,17 @@ struct rad_result {
   const char *matrix, *solver;   /* what was used: "dense"; "lu", "gmres", "neumann" */
   int threads;
   struct rad_picture picture;
-  double *triangle_radiosity;  /* owned [n_triangle, n_band] means [W/m2] */
-  double *triangle_irradiance; /* owned [n_triangle, n_band] means [W/m2] */
-  int64_t n_point;             /* collocation points */
-  double *point;               /* owned [n_point, 3] [m] */
-  int *point_triangle;         /* owned [n_point] */
-  double *value;               /* owned [n_point, n_band] u_h [W/m2] */
-  double *probe_position;      /* owned [n_probe, 3] */
-  double *probe_normal;        /* owned [n_probe, 3] */
-  double *probe_radiosity;     /* owned [n_probe, n_band] */
-  double *probe_irradiance;    /* owned [n_probe, n_band] */
+  double *triangle_radiosity;                    /* owned [n_triangle, n_band] means [W/m2] */
+  double *triangle_irradiance;                   /* owned [n_triangle, n_band] means [W/m2] */
+  const double *edge_exponent, *vertex_exponent; /* borrowed [n_triangle, 3], or NULL */
+  int64_t n_point;                               /* collocation points */
+  double *point;                                 /* owned [n_point, 3] [m] */
+  int *point_triangle;                           /* owned [n_point] */
+  double *value;                                 /* owned [n_point, n_band] u_h [W/m2] */
+  double *probe_position;                        /* owned [n_probe, 3] */
+  double *probe_normal;                          /* owned [n_probe, 3] */
+  double *probe_radiosity;                       /* owned [n_probe, n_band] */
+  double *probe_irradiance;                      /* owned [n_probe, n_band] */
   struct rad_diagnostics diagnostics;
 };
 

@@ -553,7 +553,7 @@ class Solvers(Case):
 
 class Check(Case):
     def test_prints_sizes_and_solves_nothing(self):
-        text = self.done("check", CORNER).stdout
+        text = self.done("check", CORNER, "--set", "method.elements=8").stdout
         self.assertIn("3 triangles", text)
         self.assertIn("1152 elements, 4608 unknowns", text)
         self.assertRegex(text, r"matrix +169\.9 MB")  # 8 x 4608^2 bytes
@@ -575,6 +575,41 @@ class Check(Case):
         started = time.monotonic()
         self.done("check", CORNER, "--set", "method.elements=16")
         self.assertLess(time.monotonic() - started, 5)
+
+
+class Accuracy(Case):
+    """A deck that only asks for an accuracy."""
+
+    def test_tolerance_is_met(self):
+        for tolerance in ("1e-2", "1e-4"):
+            text = self.done("run", CORNER, "--set", "accuracy.tolerance=" + tolerance).stdout
+            bound = float(re.search(r"error +at most \S+ W/m2, (\S+) of", text).group(1))
+            self.assertTrue(0 < bound <= float(tolerance), text)
+            self.assertRegex(self.done("info", "cube_corner.vtkhdf").stdout, r"error bound +\d")
+
+    def test_method_keys_are_obeyed(self):
+        text = self.done("run", CORNER, "--set", "method.elements=1").stdout
+        self.assertIn("paper, N = 1", text)
+        self.assertNotIn("adaptive", text)
+
+    def test_check_shows_exponents(self):
+        text = self.done("check", CORNER).stdout
+        self.assertIn("adaptive", text)
+        self.assertIn("0.763362", text)  # the edges of the paper's S1
+        self.assertIn("0.744986", text)  # its corner
+        self.assertEqual(self.files(), [])
+
+    def test_left_out_is_told(self):
+        text = self.done("run", CORNER, "--set", "scene.triangles.0.rho=0").stdout
+        self.assertRegex(text, r"left out +unknowns on 1 triangle: black")
+
+    def test_tolerance_out_of_reach(self):
+        """Exit 1, the reason, and the best result all the same."""
+        text = self.refused(1, "run", CORNER, "-o", "best.h5", "--set", "accuracy.tolerance=1e-10",
+                            quiet=False, preexec_fn=limit_memory(800 * 1000 * 1000))
+        self.assertRegex(text, r"tolerance 1e-10 was not reached.*memory")
+        self.assertEqual(self.files(), ["best.h5"])
+        self.assertRegex(self.done("info", "best.h5").stdout, r"converged +NO\n")
 
 
 class Study(Case):
