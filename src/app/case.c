@@ -40,10 +40,8 @@ static enum rad_code refuse_unavailable(const struct rad_case *c, struct rad_err
 
 /* A deck that says nothing of the mesh leaves it to the tolerance; without one, 1e-3. */
 static void choose_mode(struct rad_case *c) {
-  const unsigned by_hand = RAD_GIVEN_MESH | RAD_GIVEN_ELEMENTS | RAD_GIVEN_GRADING |
-                           RAD_GIVEN_DEGREE | RAD_GIVEN_ANGLE | RAD_GIVEN_CONSTANT_LAYERS;
   struct rad_deck_method *m = &c->deck.method;
-  c->is_adaptive = !(m->given & by_hand) && m->solver != RAD_SOLVER_NEUMANN;
+  c->is_adaptive = !(m->given & RAD_GIVEN_ANY_MESH) && m->solver != RAD_SOLVER_NEUMANN;
   for (int t = 0; t < c->scene.n_triangle; t++)
     if (c->scene.triangle[t].n_grading || c->scene.triangle[t].n_elements)
       c->is_adaptive = 0;

@@ -2,9 +2,21 @@
 
 #include <math.h>
 #include <omp.h>
+#include <stdlib.h>
 
-size_t rad_grid_size(const struct rad_scene *scene) {
-  return (size_t)scene->n_triangle * RAD_N_SUB * RAD_GRID * RAD_GRID * (size_t)scene->n_band;
+#include "base/memory.h"
+
+static int side_of(enum rad_grid grid) {
+  return grid == RAD_GRID_CLOSED ? RAD_GRID : RAD_CROWD;
+}
+
+static double coordinate(enum rad_grid grid, int i) {
+  return grid == RAD_GRID_CLOSED ? i / (RAD_GRID - 1.0) : pow(1e-6, 1 - i / (RAD_CROWD - 1.0));
+}
+
+size_t rad_grid_size(const struct rad_scene *scene, enum rad_grid grid) {
+  size_t side = (size_t)side_of(grid);
+  return (size_t)scene->n_triangle * RAD_N_SUB * side * side * (size_t)scene->n_band;
 }
 
 int rad_grid_threads(void) {
@@ -32,18 +44,57 @@ static void grid_point(const struct rad_case *c, const struct rad_patch *sub, do
     value[b] = rad_mesh_evaluate(m, c->u + (size_t)b * m->n_point, first + patch, p, q);
 }
 
-void rad_grid_evaluate(const struct rad_case *c, double *value) {
-  int n_sub = c->scene.n_triangle * RAD_N_SUB, nb = c->scene.n_band;
-#pragma omp parallel for schedule(dynamic) default(none) shared(c, value, n_sub, nb)
+/* u_h on all points. */
+static void evaluate_uh(const struct rad_case *c, enum rad_grid grid, double *value) {
+  int n_sub = c->scene.n_triangle * RAD_N_SUB, nb = c->scene.n_band, side = side_of(grid);
+#pragma omp parallel for schedule(dynamic) default(none) shared(c, grid, value, n_sub, nb, side)
   for (int s = 0; s < n_sub; s++) {
     struct rad_patch sub;
     rad_patch_sub_triangle(&c->scene, s / RAD_N_SUB, s % RAD_N_SUB, RAD_ANGLE_POLAR, &sub);
-    for (int j = 0; j < RAD_GRID; j++)
-      for (int i = 0; i < RAD_GRID; i++)
-        grid_point(c, &sub, i / (RAD_GRID - 1.0), j / (RAD_GRID - 1.0),
-                   value +
-                       (((size_t)s * RAD_GRID + (size_t)j) * RAD_GRID + (size_t)i) * (size_t)nb);
+    for (int q = 0; q < side * side; q++)
+      grid_point(c, &sub, coordinate(grid, q % side), coordinate(grid, q / side),
+                 value + ((size_t)s * (size_t)(side * side) + (size_t)q) * (size_t)nb);
   }
+}
+
+/* u* on all points. */
+static enum rad_code evaluate_star(const struct rad_case *c, enum rad_grid grid, double *value,
+                                   struct rad_error *e) {
+  int nb = c->scene.n_band, side = side_of(grid);
+  size_t n = rad_grid_size(&c->scene, grid) / (size_t)nb;
+  int *triangle = rad_alloc(n, 2 * sizeof(int)), *base = triangle + n;
+  double(*mu)[2] = rad_alloc(n, sizeof *mu);
+  enum rad_code code = RAD_OK;
+  if (!triangle || !mu)
+    code = rad_fail_memory(e, "the comparison grid", 24.0 * (double)n);
+  for (size_t i = 0; i < n && !code; i++) {
+    struct rad_patch sub;
+    int s = (int)(i / (size_t)(side * side)), q = (int)(i % (size_t)(side * side));
+    rad_patch_sub_triangle(&c->scene, s / RAD_N_SUB, s % RAD_N_SUB, RAD_ANGLE_POLAR, &sub);
+    triangle[i] = sub.triangle;
+    base[i] = sub.base;
+    rad_patch_mu(&sub, coordinate(grid, q % side), coordinate(grid, q / side), mu[i]);
+  }
+  struct rad_point_list list = {(int)n, triangle, base, (const double(*)[2])mu};
+  if (!code)
+    code = rad_irradiance_at(c->mesh, &c->rules, c->dense.sees, &list, nb, c->u, value, e);
+  for (size_t i = 0; i < n * (size_t)nb && !code; i++) {
+    size_t p = i / (size_t)nb;
+    int b = (int)(i % (size_t)nb);
+    value[i] = rad_emission(&c->scene, triangle[p], b, base[p], mu[p]) +
+               c->scene.rho[triangle[p] * nb + b] * value[i];
+  }
+  free(triangle);
+  free(mu);
+  return code;
+}
+
+enum rad_code rad_grid_evaluate(const struct rad_case *c, enum rad_grid grid, double *value,
+                                struct rad_error *e) {
+  if (c->is_adaptive)
+    return evaluate_star(c, grid, value, e);
+  evaluate_uh(c, grid, value);
+  return RAD_OK;
 }
 
 /* (n0^-a - nr^-a) / (n1^-a - nr^-a), increasing in a. */

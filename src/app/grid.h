@@ -6,13 +6,18 @@
 
 #include "app/case.h"
 
-enum { RAD_GRID = 100 };
+enum { RAD_GRID = 100, RAD_CROWD = 24 };
 
-/* Number of values: triangles x 6 sub-triangles x 100 x 100 x bands. */
-size_t rad_grid_size(const struct rad_scene *scene);
+/* Where solutions are compared: the paper's closed grid of u_h, or, as soon as adaptive runs take
+ * part, a grid of phi, r = 1e-6 .. 1 in equal ratios, where adaptive runs report u*. */
+enum rad_grid { RAD_GRID_CLOSED, RAD_GRID_CROWDED };
 
-/* u_h of a solved case at (i/99, j/99) of the polar (phi, r) of every sub-triangle. */
-void rad_grid_evaluate(const struct rad_case *c, double *value);
+/* Number of values: triangles x 6 sub-triangles x points x bands. */
+size_t rad_grid_size(const struct rad_scene *scene, enum rad_grid grid);
+
+/* The solution of a case on the grid, in the polar (phi, r) of every sub-triangle. */
+enum rad_code rad_grid_evaluate(const struct rad_case *c, enum rad_grid grid, double *value,
+                                struct rad_error *e);
 
 /**
  * Estimated order alpha when errors behave like c |N^-alpha - N_ref^-alpha| [H, (4.2)]:
