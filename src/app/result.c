@@ -16,11 +16,12 @@ static double scale(const struct rad_case *c) {
   return most;
 }
 
-/* Cells per direction of an element: as asked, and at least its degree allows to be seen. */
+/* Cells per direction of an element: as asked, and at least half its degree, or its shape is lost.
+ */
 static int cells_of(const struct rad_case *c, int element) {
   const struct rad_element *e = &c->mesh->element[element];
   int s = c->deck.output.sampling, k = e->k_phi > e->k_r ? e->k_phi : e->k_r;
-  return c->is_adaptive && k > s ? k : s;
+  return c->is_adaptive && (k + 1) / 2 > s ? (k + 1) / 2 : s;
 }
 
 /* Where the points of a picture lie on their triangles. */

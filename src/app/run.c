@@ -136,9 +136,10 @@ static void print_solution(const struct rad_case *c, const struct rad_result *r,
             "vertices %.2e\n",
             d->error_bound, c->adaptive.bound, c->adaptive.bound_limit);
   }
-  fprintf(out, "  matrix   dense, %.3g MB; %lld near and %lld far pairs, %lld skipped\n",
+  fprintf(out, "  matrix   dense, %.3g MB; %lld near and %lld far pairs, %lld skipped%s\n",
           c->plan.matrix_bytes / 1e6, (long long)d->pairs_near, (long long)d->pairs_far,
-          (long long)d->pairs_skipped);
+          (long long)d->pairs_skipped,
+          c->is_adaptive && c->adaptive.levels > 1 ? "; the rest from the level before" : "");
   fprintf(out, "  solver   %s", solver_name[s->solver]);
   if (s->solver == RAD_SOLVER_GMRES)
     fprintf(out, ", %d steps", s->iterations);

@@ -184,8 +184,9 @@ static enum rad_code set_checks(struct work *w, int n, struct rad_error *e) {
     const struct rad_patch *patch = &w->mesh->patch[el->patch];
     for (int q = 0; q < side * side && !passive(w, i); q++) {
       int limit = q % side == n || q / side == n;
-      if ((q % side == n && el->sigma[0] > 0) || (q / side == n && el->tau[0] > 0))
-        continue;
+      if ((q % side == n && (el->sigma[0] > 0 || q / side % 2)) ||
+          (q / side == n && (el->tau[0] > 0 || q % side % 2)))
+        continue; /* every other limit point, and none inside the triangle */
       double phi = check_at(q % side, n, el->sigma[0], el->sigma[1], el->p_phi);
       double r = check_at(q / side, n, el->tau[0], el->tau[1], el->p_r);
       triangle[at] = patch->triangle;

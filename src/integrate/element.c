@@ -175,7 +175,7 @@ static void near_targets(const struct rad_mesh *mesh, const struct rad_rules *ru
                        .element = e,
                        .to_lagrange_phi = rules->to_lagrange[e->k_phi],
                        .to_lagrange_r = rules->to_lagrange[e->k_r],
-                       .tolerance = rules->tolerance,
+                       .digits = log(100 / rules->tolerance),
                        .n0 = view->n0,
                        .na = view->na,
                        .nb = view->nb};

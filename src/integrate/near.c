@@ -6,7 +6,7 @@
 
 #include "base/simd_math.h"
 
-enum { MAX_RAY = 48, MAX_RADIAL = 64, MAX_DEPTH = 60 };
+enum { MAX_RAY = 48, MAX_RADIAL = 64, MAX_DEPTH = 60, LANES = 8 };
 
 #define INLINE static inline __attribute__((always_inline))
 
@@ -46,15 +46,14 @@ static inline double bernstein(double re, double im) {
  * the Bernstein ellipse rho, and there at most e^(growth half ((rho' + 1/rho')/2 - 1)) times what
  * it is on the range, on each smaller ellipse rho' (theory 3.12):
  *
- *   rho'^(2n - degree) = 100 / tolerance * that growth, for the rho' <= rho that needs the least n
+ *   rho'^(2n - degree) = e^digits * that growth, for the rho' <= rho that needs the least n
  */
-static inline int points_for(double rho, double degree, double growth, double half,
-                             double tolerance) {
+static inline int points_for(double rho, double degree, double growth, double half, double digits) {
   static const double ellipse[] = {1.2, 1.5, 2, 2.7, 3.7, 5.5, 9, 16};
   static const double log_of[] = {0.18232155679395, 0.40546510810816, 0.69314718055995,
                                   0.99325177301028, 1.30833281965018, 1.70474809223843,
                                   2.19722457733622, 2.77258872223978};
-  double digits = log(100 / tolerance), log_rho = log(rho);
+  double log_rho = log(rho);
   double least = 0.5 * (digits + growth * half * (0.5 * (rho + 1 / rho) - 1)) / log_rho;
   for (int i = 0; i < 8 && ellipse[i] < rho; i++) {
     double e = ellipse[i];
@@ -180,12 +179,13 @@ INLINE void along_ray(struct rad_near *w, const struct ray *ray, double *restric
     rho = bernstein(mid / half, 0.5 * M_PI / half);
   }
   double growth = mapped ? 3 : 0; /* 1/cosh^3 falls, its continuation to smaller |z| grows */
-  int n = points_for(rho, degree, growth, half, w->tolerance), parts = 1;
+  int n = points_for(rho, degree, growth, half, w->digits), parts = 1;
   while (n > MAX_RADIAL) {
     parts *= 2;
     rho = bernstein(0, 0.5 * M_PI / half * parts);
-    n = points_for(rho, degree / parts, growth, half / parts, w->tolerance);
+    n = points_for(rho, degree / parts, growth, half / parts, w->digits);
   }
+  n = (n + LANES - 1) / LANES * LANES; /* a loop's scalar rest costs more than full vectors */
   double tau[MAX_RADIAL], f[MAX_RADIAL];
   for (int part = 0; part < parts; part++) {
     double at = mid + half * (2.0 * part + 1 - parts) / parts;
@@ -329,7 +329,7 @@ static struct range choose(const struct rad_near *w, double lo, double hi, int n
       rho = fmin(rho, bernstein((creal(z) - r.mid) / r.half, cimag(z) / r.half));
     }
   }
-  r.n = points_for(rho, degree, r.mapped ? 2 : 0, r.half, w->tolerance);
+  r.n = points_for(rho, degree, r.mapped ? 2 : 0, r.half, w->digits);
   return r;
 }
 

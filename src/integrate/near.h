@@ -25,10 +25,10 @@ struct rad_near {
   const struct rad_patch *patch;
   const struct rad_element *element;
   const double *to_lagrange_phi, *to_lagrange_r; /* matrices T of (4.3) */
-  double tolerance;
-  double n0, na, nb; /* of rad_view */
-  double x[3];       /* target in the patch's frame, x[2] > 0 [m] */
-  int64_t n_kernel;  /* in, out: kernel values so far */
+  double digits;                                 /* ln(100 / tolerance) */
+  double n0, na, nb;                             /* of rad_view */
+  double x[3];                                   /* target in the patch's frame, x[2] > 0 [m] */
+  int64_t n_kernel;                              /* in, out: kernel values so far */
 };
 
 /**

@@ -142,6 +142,19 @@ static enum rad_code run_all(struct rad_dense *dense, const struct rad_rules *ru
   return code;
 }
 
+/* Pairs of points and elements whose rows or blocks are not needed. */
+static int64_t count_skipped(const struct rad_dense *dense, const unsigned char *passive) {
+  const struct rad_mesh *m = dense->mesh;
+  int n = m->scene->n_triangle;
+  int64_t skipped = 0;
+  for (int i = 0; i < n; i++)
+    for (int j = 0; j < n; j++)
+      if (!dense->sees[(size_t)i * n + j] || (passive && passive[i]))
+        skipped += (int64_t)(m->point_first[i + 1] - m->point_first[i]) *
+                   (m->element_first[m->patch_first[j + 1]] - m->element_first[m->patch_first[j]]);
+  return skipped;
+}
+
 enum rad_code rad_dense_assemble(const struct rad_mesh *mesh, const struct rad_rules *rules,
                                  const struct rad_reuse *reuse, struct rad_dense *dense,
                                  struct rad_error *e) {
@@ -163,8 +176,7 @@ enum rad_code rad_dense_assemble(const struct rad_mesh *mesh, const struct rad_r
   }
   free(task);
   free_origins(&origins);
-  dense->pairs_skipped =
-      (int64_t)mesh->n_point * mesh->n_element - dense->counters.near - dense->counters.far;
+  dense->pairs_skipped = count_skipped(dense, passive);
   return code;
 }
 
