@@ -183,13 +183,12 @@ static enum rad_code refine(const struct rad_goal *g, struct rad_adaptive *a, st
   return code;
 }
 
-/* Bytes of the level to come beside the one that lends its blocks. */
-static double bytes(const struct rad_goal *g, const struct rad_layout *l, double before) {
+/* Bytes that the level to come adds while the present one still lends its blocks: matrix and
+ * vectors, rows at points, fine values and checks, and what the C library keeps for each thread. */
+static double bytes(const struct rad_goal *g, const struct rad_layout *l) {
   double n = rad_layout_unknowns(l);
-  double estimate =
-      omp_get_max_threads() * 2.5e7 + 500 * n; /* rows at points; fine values, checks */
   return rad_solver_bytes(rad_solver_pick(g->solver, n), n, l->scene->n_band) +
-         8 * before * before + estimate;
+         omp_get_max_threads() * 9e7 + 500 * n;
 }
 
 static enum rad_code estimate(struct rad_adaptive *a, int check, struct rad_error *e) {
@@ -201,7 +200,8 @@ static enum rad_code estimate(struct rad_adaptive *a, int check, struct rad_erro
   return code;
 }
 
-/* One level: solve and estimate. The level before is freed once its blocks are taken over. */
+/* One level: solve and estimate. The level before is freed at the end, or put back, with the
+ * reason, if the new one runs out of memory. */
 static enum rad_code level(const struct rad_scene *scene, const struct rad_goal *g,
                            struct rad_adaptive *a, struct rad_error *e) {
   struct rad_adaptive before = *a;
@@ -212,7 +212,6 @@ static enum rad_code level(const struct rad_scene *scene, const struct rad_goal 
   a->rho = a->emission = a->u = a->h = NULL;
   a->seconds_assemble = a->seconds_estimate = 0;
   enum rad_code code = solve_level(scene, g, &before, a, e);
-  free_level(&before);
   double start = rad_seconds();
   int check = before.levels == 0 || before.bound > 100 * g->tolerance ? CHECK_ROUGH : CHECK;
   if (!code)
@@ -221,7 +220,15 @@ static enum rad_code level(const struct rad_scene *scene, const struct rad_goal 
     code = estimate(a, CHECK, e);
   a->seconds_estimate = rad_seconds() - start;
   a->levels++;
-  return code;
+  if (code != RAD_ESYSTEM || !before.mesh) {
+    free_level(&before);
+    return code;
+  }
+  free_level(a);
+  before.layout = a->layout;
+  *a = before;
+  snprintf(a->reason, sizeof a->reason, "the next level failed: %.200s", e->text);
+  return RAD_OK;
 }
 
 enum rad_code rad_adapt(const struct rad_scene *scene, const struct rad_goal *g,
@@ -237,7 +244,7 @@ enum rad_code rad_adapt(const struct rad_scene *scene, const struct rad_goal *g,
     began = rad_seconds();
     if ((code = level(scene, g, a, e)))
       break;
-    if (a->bound <= g->tolerance)
+    if (a->reason[0] || a->bound <= g->tolerance)
       break;
     a->quadrature = fmin(a->quadrature, quadrature_tolerance(g, a->report.inverse_norm));
     stuck = a->bound < 0.7 * least ? 0 : stuck + 1;
@@ -251,11 +258,12 @@ enum rad_code rad_adapt(const struct rad_scene *scene, const struct rad_goal *g,
     }
     if ((code = refine(g, a, e)))
       break;
-    if (bytes(g, &a->layout, n) > g->memory) {
-      snprintf(
-          a->reason, sizeof a->reason,
-          "the next level, with %.0f unknowns, needs %.3g GB of memory and %.3g GB are available",
-          rad_layout_unknowns(&a->layout), bytes(g, &a->layout, n) / 1e9, g->memory / 1e9);
+    double need = bytes(g, &a->layout), held = 8 * n * n;
+    double free_now = fmin(rad_memory_available(), g->memory - held);
+    if (need > free_now) {
+      snprintf(a->reason, sizeof a->reason,
+               "the next level, with %.0f unknowns, needs %.3g GB more memory and %.3g GB are left",
+               rad_layout_unknowns(&a->layout), need / 1e9, fmax(free_now, 0) / 1e9);
       break;
     }
   }
