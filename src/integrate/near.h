@@ -36,12 +36,13 @@ struct rad_near {
  *
  * For fixed t the integrand is rational in r with the double poles r0 +- i delta; the integral over
  * r is analytic in t but for poles where the ray, or an end of the range, passes x. Each range is
- * mapped by s = Re + Im sinh(z) around its nearest pole, where strips of half-width pi/2 are free
- * of poles, and Gauss rules take their number of points from the Bernstein ellipse. Distances to x
- * come from differences of mapped variables: nothing cancels at any height.
+ * mapped by s = Re + Im sinh(z) around its nearest pole, which then lies at z = +-i pi/2, and Gauss
+ * rules take their number of points from the Bernstein ellipse (theory 3.12). Near the pole that a
+ * map is centred at, distances to x come from the mapped variable, so that nothing cancels.
  *
  * @param[out] out  [k_phi k_r]
- * Error below tolerance times the element's own integral of G. Thread-safe; no allocation.
+ * Measured error: below twice the tolerance times the row sum (tests/unit/test_integrals.c).
+ * Thread-safe; no allocation.
  */
 void rad_near(struct rad_near *w, const struct rad_strip *strip, int n_strip, double *out);
 
