@@ -139,13 +139,7 @@ static enum rad_code set_data(struct rad_case *c, struct rad_error *e) {
   c->h = rad_calloc(total, sizeof(double));
   if (!c->rho || !c->emission || !c->u || !c->h)
     return rad_fail_memory(e, "the solution", 32.0 * (double)total);
-  for (int t = 0; t < c->scene.n_triangle; t++)
-    for (int p = m->point_first[t]; p < m->point_first[t + 1]; p++)
-      for (int b = 0; b < c->scene.n_band; b++) {
-        c->rho[(size_t)b * n + p] = c->scene.rho[t * c->scene.n_band + b];
-        c->emission[(size_t)b * n + p] =
-            rad_emission(&c->scene, t, b, m->point_base[p], m->point_mu[p]);
-      }
+  rad_mesh_data(c->mesh, c->rho, c->emission);
   return RAD_OK;
 }
 

@@ -1,7 +1,6 @@
 #include "app/grid.h"
 
 #include <math.h>
-#include <omp.h>
 #include <stdlib.h>
 
 #include "base/memory.h"
@@ -17,10 +16,6 @@ static double coordinate(enum rad_grid grid, int i) {
 size_t rad_grid_size(const struct rad_scene *scene, enum rad_grid grid) {
   size_t side = (size_t)side_of(grid);
   return (size_t)scene->n_triangle * RAD_N_SUB * side * side * (size_t)scene->n_band;
-}
-
-int rad_grid_threads(void) {
-  return omp_get_max_threads();
 }
 
 /* u_h at (phi, r) of a sub-triangle, whatever patches the mesh has. */
@@ -78,12 +73,8 @@ static enum rad_code evaluate_star(const struct rad_case *c, enum rad_grid grid,
   struct rad_point_list list = {(int)n, triangle, base, (const double(*)[2])mu};
   if (!code)
     code = rad_irradiance_at(c->mesh, &c->rules, c->dense.sees, &list, nb, c->u, value, e);
-  for (size_t i = 0; i < n * (size_t)nb && !code; i++) {
-    size_t p = i / (size_t)nb;
-    int b = (int)(i % (size_t)nb);
-    value[i] = rad_emission(&c->scene, triangle[p], b, base[p], mu[p]) +
-               c->scene.rho[triangle[p] * nb + b] * value[i];
-  }
+  if (!code)
+    rad_iterated(&c->scene, &list, value, value);
   free(triangle);
   free(mu);
   return code;

@@ -28,6 +28,4 @@ enum rad_code rad_grid_evaluate(const struct rad_case *c, enum rad_grid grid, do
  */
 double rad_eoc(double n0, double n1, double n_reference, double ratio);
 
-int rad_grid_threads(void);
-
 #endif

@@ -70,35 +70,18 @@ static enum rad_code locate(const struct rad_case *c, const struct rad_deck_prob
       c->deck.path, line, probe->name, probe->at[0], probe->at[1], probe->at[2], where);
 }
 
-/* Places of all probes; checked before anything is solved. */
+/* Places of all probes, or only whether they have one when place is NULL. */
 static enum rad_code locate_all(const struct rad_case *c, struct place *place,
                                 struct rad_error *e) {
   enum rad_code code = RAD_OK;
+  struct place unused;
   for (int i = 0; i < c->deck.n_probe && !code; i++)
-    code = locate(c, &c->deck.probe[i], &place[i], e);
+    code = locate(c, &c->deck.probe[i], place ? &place[i] : &unused, e);
   return code;
 }
 
 enum rad_code rad_case_check_probes(const struct rad_case *c, struct rad_error *e) {
-  enum rad_code code = RAD_OK;
-  struct place place;
-  for (int i = 0; i < c->deck.n_probe && !code; i++)
-    code = locate(c, &c->deck.probe[i], &place, e);
-  return code;
-}
-
-/* u* = E + rho h at the probes (theory 6.1). */
-static void radiosity(const struct rad_case *c, const struct place *place, struct rad_result *r) {
-  int nb = c->scene.n_band;
-  for (int i = 0; i < c->deck.n_probe; i++) {
-    const struct place *p = &place[i];
-    for (int b = 0; b < nb; b++)
-      r->probe_radiosity[i * nb + b] =
-          rad_emission(&c->scene, p->triangle, b, p->base, p->mu) +
-          c->scene.rho[p->triangle * nb + b] * r->probe_irradiance[i * nb + b];
-    memcpy(r->probe_position + 3 * i, c->deck.probe[i].at, 3 * sizeof(double));
-    memcpy(r->probe_normal + 3 * i, c->scene.triangle[p->triangle].normal, 3 * sizeof(double));
-  }
+  return locate_all(c, NULL, e);
 }
 
 enum rad_code rad_case_probes(const struct rad_case *c, struct rad_result *r, struct rad_error *e) {
@@ -120,13 +103,16 @@ enum rad_code rad_case_probes(const struct rad_case *c, struct rad_result *r, st
     triangle[i] = place[i].triangle;
     base[i] = place[i].base;
     memcpy(mu[i], place[i].mu, sizeof mu[i]);
+    memcpy(r->probe_position + 3 * i, c->deck.probe[i].at, 3 * sizeof(double));
+    memcpy(r->probe_normal + 3 * i, c->scene.triangle[place[i].triangle].normal,
+           3 * sizeof(double));
   }
   struct rad_point_list list = {(int)n, triangle, base, (const double(*)[2])mu};
   if (!code && n)
     code = rad_irradiance_at(c->mesh, &c->rules, c->dense.sees, &list, (int)nb, c->u,
                              r->probe_irradiance, e);
   if (!code)
-    radiosity(c, place, r);
+    rad_iterated(&c->scene, &list, r->probe_irradiance, r->probe_radiosity);
   free(place);
   free(triangle);
   free(mu);

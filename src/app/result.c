@@ -117,11 +117,8 @@ static enum rad_code use_iterated(const struct rad_case *c, struct rad_picture *
                                 (const double(*)[2])sites->mu};
   enum rad_code code =
       rad_irradiance_at(c->mesh, &c->rules, c->dense.sees, &list, nb, c->u, p->irradiance, e);
-  for (int64_t i = 0; i < p->n_point && !code; i++)
-    for (int b = 0; b < nb; b++)
-      p->radiosity[i * nb + b] =
-          rad_emission(&c->scene, sites->triangle[i], b, sites->base[i], sites->mu[i]) +
-          c->scene.rho[sites->triangle[i] * nb + b] * p->irradiance[i * nb + b];
+  if (!code)
+    rad_iterated(&c->scene, &list, p->irradiance, p->radiosity);
   return code;
 }
 

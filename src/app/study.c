@@ -1,5 +1,6 @@
 /* polyrad study: one deck run over a product of keys, compared with a reference. */
 #include <math.h>
+#include <omp.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -259,7 +260,7 @@ static enum rad_code run_all(struct study *s, struct rad_error *e) {
 }
 
 enum rad_code rad_app_study(const struct rad_command *command, struct rad_error *e) {
-  struct study s = {.command = command, .threads = rad_grid_threads()};
+  struct study s = {.command = command, .threads = omp_get_max_threads()};
   enum rad_code code = rad_deck_read(command->deck, command->n_set, command->set, &s.deck, e);
   if (!code && !s.deck.study.present)
     code =

@@ -58,13 +58,7 @@ static enum rad_code set_data(const struct rad_scene *s, struct rad_adaptive *a,
   a->h = rad_calloc(total, sizeof(double));
   if (!a->rho || !a->emission || !a->u || !a->h)
     return rad_fail_memory(e, "the solution", 32.0 * (double)total);
-  for (int t = 0; t < s->n_triangle; t++)
-    for (int p = m->point_first[t]; p < m->point_first[t + 1]; p++)
-      for (int b = 0; b < s->n_band; b++) {
-        a->rho[(size_t)b * n + (size_t)p] = s->rho[t * s->n_band + b];
-        a->emission[(size_t)b * n + (size_t)p] =
-            rad_emission(s, t, b, m->point_base[p], m->point_mu[p]);
-      }
+  rad_mesh_data(a->mesh, a->rho, a->emission);
   return RAD_OK;
 }
 

@@ -113,3 +113,12 @@ enum rad_code rad_irradiance_at(const struct rad_mesh *mesh, const struct rad_ru
   struct irradiance c = {mesh, sees, p->triangle, n_band, u, h};
   return rad_visit_rows(mesh, rules, sees, p, add_irradiance, &c, e);
 }
+
+void rad_iterated(const struct rad_scene *scene, const struct rad_point_list *p, const double *h,
+                  double *u) {
+  int nb = scene->n_band;
+  for (int i = 0; i < p->n; i++)
+    for (int b = 0; b < nb; b++)
+      u[(size_t)i * nb + b] = rad_emission(scene, p->triangle[i], b, p->base[i], p->mu[i]) +
+                              scene->rho[p->triangle[i] * nb + b] * h[(size_t)i * nb + b];
+}

@@ -38,4 +38,8 @@ enum rad_code rad_irradiance_at(const struct rad_mesh *mesh, const struct rad_ru
                                 const unsigned char *sees, const struct rad_point_list *points,
                                 int n_band, const double *u, double *h, struct rad_error *e);
 
+/* u* = E + rho h at points (theory 6.1); h and u [n, n_band] may be the same array. */
+void rad_iterated(const struct rad_scene *scene, const struct rad_point_list *points,
+                  const double *h, double *u);
+
 #endif

@@ -50,18 +50,14 @@ int rad_block_is_zero(const struct rad_scene *scene, int target, int source) {
   return target == source || !rad_faces(&scene->triangle[target], &scene->triangle[source]);
 }
 
-static double power(double x, double p) {
-  return p == 1 ? x : pow(x, p);
-}
-
 /* Distances at which the rules of an element suffice (theory 3.5): its longest segments of each
  * direction, and how far their middles lie from the element's. */
 static void set_classes(const struct rad_patch *patch, const struct rad_element *e,
                         const struct rad_panel *angular, const struct rad_panel *radial,
                         struct classes *c) {
-  double t0 = rad_angle_t(patch->angle, power(e->sigma[0], e->p_phi));
-  double t1 = rad_angle_t(patch->angle, power(e->sigma[1], e->p_phi));
-  double r0 = power(e->tau[0], e->p_r), r1 = power(e->tau[1], e->p_r);
+  double t0 = rad_angle_t(patch->angle, rad_graded(e->sigma[0], e->p_phi));
+  double t1 = rad_angle_t(patch->angle, rad_graded(e->sigma[1], e->p_phi));
+  double r0 = rad_graded(e->tau[0], e->p_r), r1 = rad_graded(e->tau[1], e->p_r);
   double t = 0.5 * (t0 + t1), r = 0.5 * (r0 + r1), b = hypot(patch->b1, patch->b2);
   double ray0 = hypot(patch->a1 + t0 * patch->b1, t0 * patch->b2);
   double ray1 = hypot(patch->a1 + t1 * patch->b1, t1 * patch->b2);

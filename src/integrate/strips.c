@@ -2,21 +2,17 @@
 
 #include <math.h>
 
-static double power(double x, double p) {
-  return p == 1 ? x : pow(x, p);
-}
-
 struct rad_strip rad_strip_whole(const struct rad_element *e) {
   return (struct rad_strip){{e->sigma[0], e->sigma[1]},
-                            {power(e->tau[0], e->p_r), 1, 0},
-                            {power(e->tau[1], e->p_r), 1, 0}};
+                            {rad_graded(e->tau[0], e->p_r), 1, 0},
+                            {rad_graded(e->tau[1], e->p_r), 1, 0}};
 }
 
 void rad_element_polygon(const struct rad_patch *patch, const struct rad_element *e,
                          struct rad_polygon *polygon) {
-  double r0 = power(e->tau[0], e->p_r), r1 = power(e->tau[1], e->p_r);
-  double t0 = rad_angle_t(patch->angle, power(e->sigma[0], e->p_phi));
-  double t1 = rad_angle_t(patch->angle, power(e->sigma[1], e->p_phi));
+  double r0 = rad_graded(e->tau[0], e->p_r), r1 = rad_graded(e->tau[1], e->p_r);
+  double t0 = rad_angle_t(patch->angle, rad_graded(e->sigma[0], e->p_phi));
+  double t1 = rad_angle_t(patch->angle, rad_graded(e->sigma[1], e->p_phi));
   double corner[4][2] = {{r0, r0 * t0}, {r1, r1 * t0}, {r1, r1 * t1}, {r0, r0 * t1}};
   polygon->n = r0 > 0 ? 4 : 3;
   for (int i = 0; i < polygon->n; i++)
@@ -72,7 +68,7 @@ int rad_strips(const struct rad_patch *patch, const struct rad_element *e,
     struct rad_strip *s = &strip[n++];
     for (int d = 0; d < 2; d++)
       s->sigma[d] =
-          fmin(fmax(power(rad_angle_phi(patch->angle, t[i + d]), 1 / e->p_phi), e->sigma[0]),
+          fmin(fmax(rad_ungraded(rad_angle_phi(patch->angle, t[i + d]), e->p_phi), e->sigma[0]),
                e->sigma[1]);
     s->lower = at_corner ? (struct rad_side_line){0, 1, 0} : side_at(polygon, mid, 0);
     s->upper = side_at(polygon, mid, 1);

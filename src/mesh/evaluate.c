@@ -33,15 +33,24 @@ double rad_emission(const struct rad_scene *scene, int triangle, int band, int b
   return e0 + mu[0] * (e1 - e0) + mu[1] * (e2 - e0);
 }
 
-static double root(double x, double p) {
-  return p == 1 ? x : pow(x, 1 / p);
+void rad_mesh_data(const struct rad_mesh *m, double *rho, double *emission) {
+  const struct rad_scene *s = m->scene;
+  size_t n = (size_t)m->n_point;
+  for (int t = 0; t < s->n_triangle; t++)
+    for (int p = m->point_first[t]; p < m->point_first[t + 1]; p++)
+      for (int b = 0; b < s->n_band; b++) {
+        rho[(size_t)b * n + (size_t)p] = s->rho[t * s->n_band + b];
+        emission[(size_t)b * n + (size_t)p] =
+            rad_emission(s, t, b, m->point_base[p], m->point_mu[p]);
+      }
 }
 
 void rad_element_basis(const struct rad_mesh *mesh, int element, double phi, double r,
                        double *value) {
   const struct rad_element *e = &mesh->element[element];
-  double s = (2 * root(phi, e->p_phi) - e->sigma[0] - e->sigma[1]) / (e->sigma[1] - e->sigma[0]);
-  double t = (2 * root(r, e->p_r) - e->tau[0] - e->tau[1]) / (e->tau[1] - e->tau[0]);
+  double s =
+      (2 * rad_ungraded(phi, e->p_phi) - e->sigma[0] - e->sigma[1]) / (e->sigma[1] - e->sigma[0]);
+  double t = (2 * rad_ungraded(r, e->p_r) - e->tau[0] - e->tau[1]) / (e->tau[1] - e->tau[0]);
   double ls[RAD_GAUSS_MAX], lt[RAD_GAUSS_MAX];
   rad_lagrange(&mesh->gauss, e->k_phi, s, ls);
   rad_lagrange(&mesh->gauss, e->k_r, t, lt);
@@ -61,7 +70,7 @@ void rad_element_basis(const struct rad_mesh *mesh, int element, double phi, dou
 int rad_mesh_locate(const struct rad_mesh *mesh, int patch, double phi, double r) {
   for (int i = mesh->element_first[patch]; i < mesh->element_first[patch + 1]; i++) {
     const struct rad_element *e = &mesh->element[i];
-    double s = root(phi, e->p_phi), t = root(r, e->p_r);
+    double s = rad_ungraded(phi, e->p_phi), t = rad_ungraded(r, e->p_r);
     if (s >= e->sigma[0] && t >= e->tau[0] && (s < e->sigma[1] || e->sigma[1] == 1) &&
         (t < e->tau[1] || e->tau[1] == 1))
       return i;

@@ -2,6 +2,8 @@
 #ifndef RAD_MESH_MESH_H
 #define RAD_MESH_MESH_H
 
+#include <math.h>
+
 #include "base/gauss.h"
 #include "mesh/patch.h"
 
@@ -59,6 +61,15 @@ enum rad_code rad_mesh_build(const struct rad_scene *scene, const struct rad_dec
                              struct rad_mesh *mesh, struct rad_error *e);
 void rad_mesh_free(struct rad_mesh *mesh); /* safe twice */
 
+/* x^p and x^(1/p): from a graded variable to phi or r, and back. */
+static inline double rad_graded(double x, double p) {
+  return p == 1 ? x : pow(x, p);
+}
+
+static inline double rad_ungraded(double x, double p) {
+  return p == 1 ? x : pow(x, 1 / p);
+}
+
 /* Triangle of an element; position of a point in space [m]. */
 int rad_element_triangle(const struct rad_mesh *mesh, int element);
 int rad_point_triangle(const struct rad_mesh *mesh, int point);
@@ -67,6 +78,9 @@ void rad_point_position(const struct rad_mesh *mesh, int point, double x[3]);
 /* E at a point of a triangle given by mu from vertex base: linear between the vertex values. */
 double rad_emission(const struct rad_scene *scene, int triangle, int band, int base,
                     const double mu[2]);
+
+/* rho and E of the scene at all collocation points, each [n_band, n_point]. */
+void rad_mesh_data(const struct rad_mesh *mesh, double *rho, double *emission);
 
 /* Values of the element's n_function trial functions at (phi, r). */
 void rad_element_basis(const struct rad_mesh *mesh, int element, double phi, double r,
