@@ -141,6 +141,9 @@ static void print_solution(const struct rad_case *c, const struct rad_result *r,
           (long long)d->pairs_skipped,
           c->is_adaptive && c->adaptive.levels > 1 ? "; the rest from the level before" : "");
   fprintf(out, "  solver   %s", solver_name[s->solver]);
+  if (s->n_part > 1)
+    fprintf(out, ", %d independent parts%s", s->n_part,
+            s->solver == RAD_SOLVER_LU ? " apart" : " (no blocks between them)");
   if (s->solver == RAD_SOLVER_GMRES)
     fprintf(out, ", %d steps", s->iterations);
   if (s->solver == RAD_SOLVER_NEUMANN)

@@ -9,8 +9,7 @@
 #include "base/clock.h"
 #include "base/memory.h"
 
-/* Check points per direction and element: enough to steer by, and to state a bound with. */
-enum { MAX_LEVEL = 40, CHECK_ROUGH = 3, CHECK = 5 };
+enum { MAX_LEVEL = 40 };
 
 /* d is seen through a finer mesh and at check points only: what they may miss. */
 #define SAFETY 1.5
@@ -18,8 +17,11 @@ enum { MAX_LEVEL = 40, CHECK_ROUGH = 3, CHECK = 5 };
 /* A refined part is meant to become this much smaller than its share, more so at later levels, and
  * parts that are nearly too large are refined as well: a level costs more than the unknowns that
  * more caution would save. */
-#define OVERSHOOT 3.5
-#define NEARLY 0.95
+#define OVERSHOOT 2.5
+#define NEARLY 0.5
+
+/* A bound this many tolerances large needs no finer look. */
+#define FAR_OFF 3
 
 /* Parts of the tolerance that quadrature and solver may use up. */
 #define QUADRATURE_PART 0.1
@@ -83,7 +85,7 @@ static enum rad_code solve_level(const struct rad_scene *scene, const struct rad
   }
   for (int i = 0; i < a->layout.n_leaf; i++)
     origin[i] = a->layout.leaf[i].origin;
-  enum rad_code code = rad_layout_mesh(&a->layout, 0, a->mesh, e);
+  enum rad_code code = rad_layout_mesh(&a->layout, a->mesh, e);
   if (!code)
     code = rad_rules_build(a->mesh, a->quadrature, &a->rules, e);
   int same = before->mesh && before->rules.tolerance == a->rules.tolerance;
@@ -167,10 +169,12 @@ static enum rad_code refine(const struct rad_goal *g, struct rad_adaptive *a, st
     double factor = x->part[i] / share, most = fmax(x->tail_phi[i], x->tail_r[i]);
     if (l->passive[l->patch[f->patch].triangle] || factor <= NEARLY)
       continue;
-    if (x->tail_phi[i] >= 0.25 * most)
-      refine_direction(over * factor, x->rate_phi[i], &w->k_phi, &w->split_phi);
-    if (x->tail_r[i] >= 0.25 * most)
-      refine_direction(over * factor, x->rate_r[i], &w->k_r, &w->split_r);
+    /* both tails are to fall to the same level */
+    double need = over * factor / fmax(most, 1e-300);
+    if (need * x->tail_phi[i] > 1)
+      refine_direction(need * x->tail_phi[i], x->rate_phi[i], &w->k_phi, &w->split_phi);
+    if (need * x->tail_r[i] > 1)
+      refine_direction(need * x->tail_r[i], x->rate_r[i], &w->k_r, &w->split_r);
   }
   enum rad_code code = rad_layout_refine(l, what, e);
   free(what);
@@ -185,10 +189,13 @@ static double bytes(const struct rad_goal *g, const struct rad_layout *l) {
          omp_get_max_threads() * 9e7 + 500 * n;
 }
 
-static enum rad_code estimate(struct rad_adaptive *a, int check, struct rad_error *e) {
+/* With `whole`, at all check points even if the bound is far off. */
+static enum rad_code estimate(const struct rad_goal *g, int whole, struct rad_adaptive *a,
+                              struct rad_error *e) {
+  double enough = FAR_OFF * g->tolerance / (SAFETY * fmax(a->report.inverse_norm, 1));
   rad_indicator_free(&a->indicator);
-  enum rad_code code =
-      rad_indicate(&a->layout, a->mesh, &a->rules, a->dense.sees, a->u, check, &a->indicator, e);
+  enum rad_code code = rad_indicate(&a->layout, a->mesh, &a->rules, a->dense.sees, a->u,
+                                    whole ? INFINITY : enough, &a->indicator, e);
   if (!code)
     set_bound(a);
   return code;
@@ -207,11 +214,8 @@ static enum rad_code level(const struct rad_scene *scene, const struct rad_goal 
   a->seconds_assemble = a->seconds_estimate = 0;
   enum rad_code code = solve_level(scene, g, &before, a, e);
   double start = rad_seconds();
-  int check = before.levels == 0 || before.bound > 100 * g->tolerance ? CHECK_ROUGH : CHECK;
   if (!code)
-    code = estimate(a, check, e);
-  if (!code && check == CHECK_ROUGH && a->bound <= 2 * g->tolerance)
-    code = estimate(a, CHECK, e);
+    code = estimate(g, 0, a, e);
   a->seconds_estimate = rad_seconds() - start;
   a->levels++;
   if (code != RAD_ESYSTEM || !before.mesh) {
@@ -262,5 +266,7 @@ enum rad_code rad_adapt(const struct rad_scene *scene, const struct rad_goal *g,
     }
   }
   a->seconds_before = began - start;
+  if (!code && a->reason[0])
+    code = estimate(g, 1, a, e);
   return code ? code : set_element_bound(a, e);
 }

@@ -7,6 +7,11 @@
 
 #include "base/memory.h"
 
+enum { CHECK = 5 }; /* check points per direction and element, odd */
+
+/* Points with this part of the worst error tell how many elements share it. */
+#define SPREAD_FROM 0.7
+
 /* Everything that the steps of one estimate share. */
 struct work {
   const struct rad_layout *layout;
@@ -167,9 +172,21 @@ static double check_at(int i, int n, double lo, double hi, double p) {
   return p == 1 ? s : pow(s, p);
 }
 
-static enum rad_code set_checks(struct work *w, int n, struct rad_error *e) {
-  int side = n + 1;
-  size_t most = (size_t)w->mesh->n_element * (size_t)(side * side);
+static void free_checks(struct work *w) {
+  free(w->place);
+  free(w->mu);
+  free(w->element);
+  free(w->total);
+  w->place = w->element = NULL;
+  w->mu = NULL;
+  w->total = NULL;
+}
+
+/* The check points of one pass: first every other one in each direction, then the rest. */
+static enum rad_code set_checks(struct work *w, int rest, struct rad_error *e) {
+  enum { N = CHECK, SIDE = CHECK + 1 };
+  size_t most = (size_t)w->mesh->n_element * (SIDE * SIDE);
+  free_checks(w);
   w->place = rad_alloc(2 * most, sizeof(int));
   w->mu = rad_alloc(most, sizeof *w->mu);
   w->element = rad_alloc(most, sizeof(int));
@@ -182,13 +199,15 @@ static enum rad_code set_checks(struct work *w, int n, struct rad_error *e) {
   for (int i = 0; i < w->mesh->n_element; i++) {
     const struct rad_element *el = &w->mesh->element[i];
     const struct rad_patch *patch = &w->mesh->patch[el->patch];
-    for (int q = 0; q < side * side && !passive(w, i); q++) {
-      int limit = q % side == n || q / side == n;
-      if ((q % side == n && (el->sigma[0] > 0 || q / side % 2)) ||
-          (q / side == n && (el->tau[0] > 0 || q % side % 2)))
-        continue; /* every other limit point, and none inside the triangle */
-      double phi = check_at(q % side, n, el->sigma[0], el->sigma[1], el->p_phi);
-      double r = check_at(q / side, n, el->tau[0], el->tau[1], el->p_r);
+    for (int q = 0; q < SIDE * SIDE && !passive(w, i); q++) {
+      int a = q % SIDE, c = q / SIDE, limit = a == N || c == N;
+      int later = (a < N && a % 2) || (c < N && c % 2);
+      if ((a == N && el->sigma[0] > 0) || (c == N && el->tau[0] > 0))
+        continue; /* no limit inside the triangle */
+      if (later != rest || (limit && later))
+        continue;
+      double phi = check_at(a, N, el->sigma[0], el->sigma[1], el->p_phi);
+      double r = check_at(c, N, el->tau[0], el->tau[1], el->p_r);
       triangle[at] = patch->triangle;
       base[at] = patch->base;
       rad_patch_mu(patch, phi, r, w->mu[at]);
@@ -237,6 +256,7 @@ static void add_parts(void *context, int thread, int first, int m, const double 
 
 static enum rad_code check(struct work *w, struct rad_error *e) {
   int n_thread = omp_get_max_threads(), n_element = w->mesh->n_element;
+  free(w->part);
   w->part = rad_calloc((size_t)n_thread * (size_t)n_element, sizeof(double));
   if (!w->part)
     return rad_fail_memory(e, "the error estimate", 8.0 * n_thread * n_element);
@@ -245,17 +265,16 @@ static enum rad_code check(struct work *w, struct rad_error *e) {
   for (int t = 0; t < n_thread && !code; t++)
     for (int i = 0; i < n_element; i++)
       x->part[i] = fmax(x->part[i], w->part[(size_t)t * (size_t)n_element + (size_t)i]);
-  x->spread = 1;
   for (int c = 0; c < w->check.n && !code; c++) {
     x->limit = fmax(x->limit, w->total[c]);
     if (w->element[c] < 0)
       continue;
     x->local[w->element[c]] = fmax(x->local[w->element[c]], w->total[c]);
-    if (w->total[c] > x->worst) {
-      x->worst = w->total[c];
-      x->spread = fmax(w->sum[c] / w->largest[c], 1);
-    }
+    x->worst = fmax(x->worst, w->total[c]);
   }
+  for (int c = 0; c < w->check.n && !code; c++)
+    if (w->element[c] >= 0 && w->total[c] > SPREAD_FROM * x->worst)
+      x->spread = fmax(x->spread, w->sum[c] / w->largest[c]);
   return code;
 }
 
@@ -281,36 +300,52 @@ void rad_indicator_free(struct rad_indicator *x) {
   *x = (struct rad_indicator){0};
 }
 
+/* The mesh with RAD_MORE more points in each direction of every element that has unknowns. */
+static enum rad_code finer_mesh(struct work *w, struct rad_error *e) {
+  const struct rad_mesh *m = w->mesh;
+  enum rad_code code = rad_mesh_begin(m->scene, &w->fine, e);
+  for (int p = 0; p < m->n_patch && !code; p++) {
+    rad_mesh_add_patch(&w->fine, &m->patch[p]);
+    for (int i = m->element_first[p]; i < m->element_first[p + 1]; i++) {
+      struct rad_element el = m->element[i];
+      el.k_phi += passive(w, i) ? 0 : RAD_MORE;
+      el.k_r += passive(w, i) ? 0 : RAD_MORE;
+      rad_mesh_add_element(&w->fine, el);
+    }
+  }
+  return code ? code : rad_mesh_finish(&w->fine, e);
+}
+
 enum rad_code rad_indicate(const struct rad_layout *layout, const struct rad_mesh *mesh,
                            const struct rad_rules *rules, const unsigned char *sees,
-                           const double *u, int n_check, struct rad_indicator *x,
+                           const double *u, double enough, struct rad_indicator *x,
                            struct rad_error *e) {
   *x = (struct rad_indicator){0};
   struct work w = {
       .layout = layout, .mesh = mesh, .sees = sees, .n_band = mesh->scene->n_band, .x = x};
   enum rad_code code = allocate(x, mesh->n_element, w.n_band, e);
   if (!code)
-    code = rad_layout_mesh(layout, RAD_MORE, &w.fine, e);
+    code = finer_mesh(&w, e);
   if (!code)
     code = rad_rules_build(&w.fine, rules->tolerance, &w.rules, e);
   if (!code)
     code = set_star(&w, rules, u, e);
-  if (!code)
-    code = set_checks(&w, n_check, e);
   if (!code) {
     set_difference(&w, u);
     for (int i = 0; i < mesh->n_element; i++)
       modes(&w, i);
-    code = check(&w, e);
+  }
+  x->spread = 1;
+  for (int rest = 0; rest < 2 && !code && x->worst <= enough; rest++) {
+    code = set_checks(&w, rest, e);
+    if (!code)
+      code = check(&w, e);
   }
   rad_rules_free(&w.rules);
   rad_mesh_free(&w.fine);
   free(w.d);
   free(w.star);
-  free(w.place);
-  free(w.mu);
-  free(w.element);
-  free(w.total);
+  free_checks(&w);
   free(w.part);
   return code;
 }

@@ -18,7 +18,7 @@ struct rad_indicator {
   double *scale; /* owned [n_band] max |u*| found [W/m2] */
   double worst;  /* max over check points and bands of |rho K d| / scale */
   double limit;  /* the same with the limits at edges and vertices */
-  double spread; /* at that point: sum |parts of the elements| over the largest */
+  double spread; /* at the worst points: most of sum |parts of the elements| over the largest */
   double change; /* max |d| / scale */
   double *local; /* owned [n_element] max of |rho K d| / scale at the element's check points */
   double *part;  /* owned [n_element] max over check points of |rho K d_e| / scale */
@@ -36,12 +36,13 @@ enum { RAD_MORE = 2 };
 
 /**
  * @param[in]  u  [n_band, n_point] solution on mesh
- * @param[in]  check  points per direction and element, 2..8
+ * @param[in]  enough  if a quarter of the check points finds `worst` above this, the rest is left
+ *                     out: such a mesh will be refined anyway
  * @param[out] x  to be freed with rad_indicator_free, also after an error
  */
 enum rad_code rad_indicate(const struct rad_layout *layout, const struct rad_mesh *mesh,
                            const struct rad_rules *rules, const unsigned char *sees,
-                           const double *u, int check, struct rad_indicator *x,
+                           const double *u, double enough, struct rad_indicator *x,
                            struct rad_error *e);
 void rad_indicator_free(struct rad_indicator *x); /* safe twice */
 

@@ -174,7 +174,7 @@ double rad_layout_unknowns(const struct rad_layout *l) {
   return n;
 }
 
-enum rad_code rad_layout_mesh(const struct rad_layout *l, int more, struct rad_mesh *mesh,
+enum rad_code rad_layout_mesh(const struct rad_layout *l, struct rad_mesh *mesh,
                               struct rad_error *e) {
   enum rad_code code = rad_mesh_begin(l->scene, mesh, e);
   for (int p = 0, i = 0; p < l->n_patch && !code; p++) {
@@ -182,15 +182,14 @@ enum rad_code rad_layout_mesh(const struct rad_layout *l, int more, struct rad_m
     for (; i < l->n_leaf && l->leaf[i].patch == p; i++) {
       const struct rad_leaf *f = &l->leaf[i];
       int pp = f->phi[0] == 0 ? l->p_phi[p] : 1, pr = f->r[0] == 0 ? l->p_r[p] : 1;
-      int add = l->passive[l->patch[p].triangle] ? 0 : more;
       rad_mesh_add_element(
           mesh,
           (struct rad_element){.sigma = {rad_ungraded(f->phi[0], pp), rad_ungraded(f->phi[1], pp)},
                                .tau = {rad_ungraded(f->r[0], pr), rad_ungraded(f->r[1], pr)},
                                .p_phi = pp,
                                .p_r = pr,
-                               .k_phi = f->k_phi + add,
-                               .k_r = f->k_r + add});
+                               .k_phi = f->k_phi,
+                               .k_r = f->k_r});
     }
   }
   return code ? code : rad_mesh_finish(mesh, e);

@@ -48,8 +48,7 @@ double rad_layout_unknowns(const struct rad_layout *l);
 /* The grading exponent p for a singularity s^exponent; 1 if there is none. */
 int rad_layout_grading(double exponent, double tolerance);
 
-/* The mesh of the layout, with `more` additional points per direction in every element. */
-enum rad_code rad_layout_mesh(const struct rad_layout *l, int more, struct rad_mesh *mesh,
+enum rad_code rad_layout_mesh(const struct rad_layout *l, struct rad_mesh *mesh,
                               struct rad_error *e);
 
 /* What is to be done with a leaf. */

@@ -6,6 +6,7 @@
 
 #include "base/clock.h"
 #include "base/memory.h"
+#include "system/parts.h"
 
 enum rad_solver rad_solver_pick(enum rad_solver asked, double n) {
   if (asked != RAD_SOLVER_AUTO)
@@ -36,49 +37,34 @@ double rad_residual(const struct rad_dense *dense, const double *rho, const doub
   return max_abs(dense->n, r);
 }
 
-static int find(int *parent, int i) {
-  while (parent[i] != i)
-    i = parent[i] = parent[parent[i]];
-  return i;
-}
-
-/* A triangle of a part of the scene that is closed and has rho = 1 throughout, or -1. The part is a
- * component of "sees"; closed: K1 = 1 to within rounding and quadrature at every point. */
+/* A triangle of an independent part of the scene that is closed and has rho = 1 throughout, or -1.
+ * Closed: K1 = 1 to within rounding and quadrature at every point. */
 static int find_closed_white(const struct rad_dense *dense, const double *rho, const double *k1,
-                             double slack, int *parent) {
+                             double slack, int n_part, const int *part) {
   const struct rad_mesh *mesh = dense->mesh;
   int n = mesh->scene->n_triangle;
-  for (int i = 0; i < n; i++)
-    parent[i] = i;
-  for (int i = 0; i < n; i++)
-    for (int j = 0; j < i; j++)
-      if (dense->sees[(size_t)i * n + j])
-        parent[find(parent, i)] = find(parent, j);
-  for (int root = 0; root < n; root++) {
-    if (find(parent, root) != root)
-      continue;
-    int white = 1;
+  for (int c = 0; c < n_part; c++) {
+    int white = 1, first = -1;
     for (int i = 0; i < n && white; i++)
-      for (int p = mesh->point_first[i];
-           find(parent, i) == root && p < mesh->point_first[i + 1] && white; p++)
-        white = rho[p] == 1 && k1[p] > 1 - slack;
+      if (part[i] == c) {
+        first = first < 0 ? i : first;
+        for (int p = mesh->point_first[i]; p < mesh->point_first[i + 1] && white; p++)
+          white = rho[p] == 1 && k1[p] > 1 - slack;
+      }
     if (white)
-      return root;
+      return first;
   }
   return -1;
 }
 
 /* kappa, and refusal of scenes where light is never lost. */
 static enum rad_code check_contraction(const struct rad_dense *dense, const double *rho,
-                                       double quadrature, double *kappa, struct rad_error *e) {
-  int n = dense->n, n_triangle = dense->mesh->scene->n_triangle, white = -1;
+                                       double quadrature, int n_part, const int *part,
+                                       double *kappa, struct rad_error *e) {
+  int n = dense->n, white = -1;
   double *one = rad_alloc((size_t)n, 2 * sizeof(double));
-  int *parent = rad_alloc((size_t)n_triangle, sizeof(int));
-  if (!one || !parent) {
-    free(one);
-    free(parent);
+  if (!one)
     return rad_fail_memory(e, "the solver", 16.0 * n);
-  }
   double *k1 = one + n;
   for (int i = 0; i < n; i++)
     one[i] = 1;
@@ -87,9 +73,8 @@ static enum rad_code check_contraction(const struct rad_dense *dense, const doub
     *kappa = fmax(*kappa, rho[i] * k1[i]);
   double slack = fmax(1e-6, 20 * quadrature);
   if (*kappa > 1 - slack)
-    white = find_closed_white(dense, rho, k1, slack, parent);
+    white = find_closed_white(dense, rho, k1, slack, n_part, part);
   free(one);
-  free(parent);
   if (white < 0)
     return RAD_OK;
   const struct rad_scene *scene = dense->mesh->scene;
@@ -140,13 +125,15 @@ static enum rad_code gmres(const struct rad_dense *dense, double tolerance, int 
 
 /* The solver that was asked for, on every band; w [n_band, n] but for Neumann. */
 static enum rad_code dispatch(const struct rad_dense *dense, const struct rad_solve_options *o,
-                              int n_band, const struct rad_linear *band, double *one, double *w,
-                              struct rad_solve_report *report, struct rad_error *e) {
+                              const int *part, int n_band, const struct rad_linear *band,
+                              double *one, double *w, struct rad_solve_report *report,
+                              struct rad_error *e) {
   enum rad_code code = RAD_OK;
   if (report->solver == RAD_SOLVER_GMRES)
     code = gmres(dense, o->tolerance, n_band, band, one, w, report, e);
   for (int b = 0; b < n_band && !code && report->solver == RAD_SOLVER_LU; b++)
-    code = rad_lu(dense, &band[b], w + (size_t)b * (size_t)dense->n, report, e);
+    code =
+        rad_lu(dense, report->n_part, part, &band[b], w + (size_t)b * (size_t)dense->n, report, e);
   for (int b = 0; b < n_band && report->solver == RAD_SOLVER_NEUMANN; b++)
     neumann(dense, o->bounces, &band[b], one, report);
   report->inverse_norm =
@@ -161,17 +148,23 @@ enum rad_code rad_solve(const struct rad_dense *dense, const struct rad_solve_op
   *report = (struct rad_solve_report){.solver = rad_solver_pick(options->solver, dense->n),
                                       .condition_estimate = NAN};
   double *work = rad_alloc(((size_t)n_band + 1) * n, sizeof(double)), start = rad_seconds();
-  if (!work)
+  int *part = rad_alloc((size_t)dense->mesh->scene->n_triangle, sizeof(int));
+  if (!work || !part) {
+    free(work);
+    free(part);
     return rad_fail_memory(e, "the solver", 8.0 * (double)n * (n_band + 1));
+  }
+  report->n_part = rad_find_parts(dense, part);
   struct rad_linear band[RAD_MAX_BAND];
   enum rad_code code = RAD_OK;
   for (int b = 0; b < n_band && !code; b++) {
     size_t at = (size_t)b * n;
     band[b] = (struct rad_linear){rho + at, emission + at, u + at, 0, 0};
-    code = check_contraction(dense, band[b].rho, options->quadrature, &report->kappa, e);
+    code = check_contraction(dense, band[b].rho, options->quadrature, report->n_part, part,
+                             &report->kappa, e);
   }
   if (!code) {
-    code = dispatch(dense, options, n_band, band, work, work + n, report, e);
+    code = dispatch(dense, options, part, n_band, band, work, work + n, report, e);
     for (int b = 0; b < n_band; b++)
       report->residual = fmax(report->residual, rad_residual(dense, band[b].rho, band[b].emission,
                                                              band[b].u, h + (size_t)b * n, work));
@@ -183,6 +176,7 @@ enum rad_code rad_solve(const struct rad_dense *dense, const struct rad_solve_op
   }
   report->seconds_solve = rad_seconds() - start - report->seconds_factor;
   report->converged = !code;
+  free(part);
   free(work);
   return code;
 }

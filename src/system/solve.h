@@ -21,6 +21,7 @@ struct rad_solve_report {
   double residual;           /* max |E - u + rho K u| [W/m2] */
   double condition_estimate; /* max norm, dgecon; NAN without LU */
   double remainder;          /* Neumann: bound of the bounces left out [W/m2]; 0 otherwise */
+  int n_part;                /* independent parts of the scene; LU factors each by itself */
   double seconds_factor, seconds_solve;
 };
 
@@ -52,9 +53,11 @@ struct rad_linear {
   int steps;                    /* out: GMRES steps */
 };
 
-/* One matrix, two right-hand sides: u for the emission, w [n] for 1. */
-enum rad_code rad_lu(const struct rad_dense *dense, const struct rad_linear *system, double *w,
-                     struct rad_solve_report *report, struct rad_error *e);
+/* One matrix for each independent part, two right-hand sides: u for the emission, w [n] for 1.
+ * part: [n_triangle] of rad_find_parts. */
+enum rad_code rad_lu(const struct rad_dense *dense, int n_part, const int *part,
+                     const struct rad_linear *system, double *w, struct rad_solve_report *report,
+                     struct rad_error *e);
 
 /**
  * Restarted GMRES for several systems, whose products with K are taken in one pass.

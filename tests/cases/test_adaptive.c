@@ -8,85 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "adaptive_scenes.h"
 #include "base/memory.h"
 #include "estimate/adapt.h"
-#include "scene_text.h"
 #include "suite.h"
-
-/* ---- scenes ---------------------------------------------------------------------------------- */
-
-static const double s1[3][3][3] = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
-                                   {{0, 0, 0}, {0, 1, 0}, {0, 0, 1}},
-                                   {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}}};
-static const double s2[3][3][3] = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
-                                   {{0, 0, 0}, {0, 1, 0}, {1, 1, 1}},
-                                   {{0, 0, 0}, {1, 1, 1}, {1, 0, 0}}};
-
-static void three(struct deck_text *d, const double face[3][3][3], const double rho[3],
-                  const double e[3]) {
-  static const char *const name[] = {"one", "two", "three"};
-  for (int t = 0; t < 3; t++)
-    deck_polygon(d, name[t], 3, face[t], rho[t], e[t]);
-}
-
-static void angle(struct deck_text *d, double degrees) {
-  double c = degrees == 90 ? 0 : cos(degrees * M_PI / 180), s = sin(degrees * M_PI / 180);
-  double low[4][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
-  double high[4][3] = {{0, 0, 0}, {0, 1, 0}, {c, 1, s}, {c, 0, s}};
-  deck_polygon(d, "low", 4, (const double(*)[3])low, 0.9, 1);
-  deck_polygon(d, "high", 4, (const double(*)[3])high, 0.9, 0);
-}
-
-static void tetrahedron(struct deck_text *d) {
-  static const double v[4][3] = {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
-  static const int face[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
-  static const double rho[4] = {0.2, 0.9, 0.5, 0.6}, e[4] = {1, 0, 0.3, 0.2};
-  for (int f = 0; f < 4; f++) {
-    double corner[3][3];
-    char name[2] = {(char)('a' + f), 0};
-    for (int i = 0; i < 3; i++)
-      memcpy(corner[i], v[face[f][i]], sizeof corner[i]);
-    deck_polygon(d, name, 3, (const double(*)[3])corner, rho[f], e[f]);
-  }
-}
-
-static void box30(struct deck_text *d) {
-  static const double a = 30, rho = 0.5;
-  const double face[6][4][3] = {
-      {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 0, a}, {0, 1, a}, {1, 1, a}, {1, 0, a}},
-      {{0, 0, 0}, {0, 1, 0}, {0, 1, a}, {0, 0, a}}, {{1, 0, 0}, {1, 0, a}, {1, 1, a}, {1, 1, 0}},
-      {{0, 0, 0}, {0, 0, a}, {1, 0, a}, {1, 0, 0}}, {{0, 1, 0}, {1, 1, 0}, {1, 1, a}, {0, 1, a}}};
-  static const char *const name[] = {"floor", "ceiling", "x0", "x1", "y0", "y1"};
-  static const double e[6] = {0, 1, 0.2, 0, 0.3, 0.5};
-  for (int f = 0; f < 6; f++)
-    deck_polygon(d, name[f], 4, face[f], rho, e[f]);
-}
-
-enum { N_SCENE = 10 };
-
-static const char *make(int i, struct deck_text *d) {
-  static const double half[3] = {0.5, 0.5, 0.5}, e1[3] = {0.5, 1, 0.3};
-  static const double rho2[3] = {0.5, 1, 0.25}, e2[3] = {1, 0.2, 0.2}, e2x[3] = {0.2, 1, 0.2};
-  static const double rho6[6] = {0.1, 0.9, 0.3, 0.5, 0.7, 0.2}, e6[6] = {0, 1, 0.2, 0, 3, 0.5};
-  static const double degrees[4] = {10, 45, 90, 150};
-  static const char *const name[N_SCENE] = {"S1",       "S2",        "S2 exchanged", "angle 10",
-                                            "angle 45", "angle 90",  "angle 150",    "tetrahedron",
-                                            "cube",     "box 1:1:30"};
-  deck_begin(d);
-  if (i == 0)
-    three(d, s1, half, e1);
-  else if (i <= 2)
-    three(d, s2, rho2, i == 1 ? e2 : e2x);
-  else if (i <= 6)
-    angle(d, degrees[i - 3]);
-  else if (i == 7)
-    tetrahedron(d);
-  else if (i == 8)
-    deck_cube(d, rho6, e6);
-  else
-    box30(d);
-  return name[i];
-}
 
 /* ---- true errors ----------------------------------------------------------------------------- */
 
@@ -134,7 +59,7 @@ static void hold(int scene, double reference, int n, const double *tolerance) {
   struct rad_error e;
   struct rad_adaptive a;
   double *exact, *u, most = 0;
-  const char *name = make(scene, d);
+  const char *name = adaptive_scene(scene, d);
   enum rad_code code = deck_prepare(d, &c, &e);
   ck_assert_msg(code == RAD_OK, "%s", e.text);
   adapt(&c.scene, reference, &a);
@@ -189,7 +114,7 @@ START_TEST(vertex_limit) {
   struct rad_error e;
   struct rad_adaptive a;
   deck_begin(d);
-  three(d, s1, half, one);
+  three_faces(d, face_s1, half, one);
   ck_assert_int_eq(deck_prepare(d, &c, &e), RAD_OK);
   adapt(&c.scene, 1e-6, &a);
   int triangle[9], base[9] = {0};
@@ -217,7 +142,7 @@ START_TEST(edge_limit) {
   struct rad_case c;
   struct rad_error e;
   struct rad_adaptive a;
-  make(4, d);
+  adaptive_scene(4, d);
   ck_assert_int_eq(deck_prepare(d, &c, &e), RAD_OK);
   adapt(&c.scene, 1e-6, &a);
   double u[2][3];
@@ -267,7 +192,7 @@ START_TEST(black_and_unlit_faces) {
   struct rad_case adaptive, paper;
   struct rad_error e;
   deck_begin(d);
-  three(d, s1, rho, emission);
+  three_faces(d, face_s1, rho, emission);
   deck_polygon(d, "away", 3, (const double[3][3]){{5, 5, 5}, {6, 5, 5}, {5, 6, 5}}, 0.5, 0);
   int head = d->length;
   deck_add(d, "accuracy: {tolerance: 1e-5}\n");
@@ -293,7 +218,7 @@ START_TEST(unreachable) {
   struct rad_case c;
   struct rad_error e;
   struct rad_adaptive a;
-  make(0, d);
+  adaptive_scene(0, d);
   ck_assert_int_eq(deck_prepare(d, &c, &e), RAD_OK);
   struct rad_goal memory = {.tolerance = 1e-9, .memory = 3e7};
   ck_assert_int_eq(rad_adapt(&c.scene, &memory, &a, &e), RAD_OK);
@@ -313,7 +238,7 @@ int main(void) {
   Suite *s = suite_create("adaptive");
   TCase *c = tcase_create("adaptive");
   tcase_set_timeout(c, 1800);
-  tcase_add_loop_test(c, meets_tolerances, 0, N_SCENE);
+  tcase_add_loop_test(c, meets_tolerances, 0, N_ADAPTIVE_SCENE);
   tcase_add_test(c, vertex_limit);
   tcase_add_test(c, edge_limit);
   tcase_add_test(c, black_and_unlit_faces);

@@ -112,6 +112,51 @@ START_TEST(solvers_agree) {
 }
 END_TEST
 
+/* A corner of three faces in the positive octant, or its mirror image turned away from it. */
+static void add_corner(struct deck_text *d, int mirrored, double bright) {
+  static const int axis[3][2] = {{0, 1}, {1, 2}, {2, 0}};
+  for (int f = 0; f < 3; f++) {
+    double corner[3][3] = {{0}};
+    char name[16];
+    snprintf(name, sizeof name, "%c%d", mirrored ? 'b' : 'a', f);
+    for (int v = 0; v < 2; v++)
+      corner[1 + v][axis[f][mirrored ? 1 - v : v]] = mirrored ? -1 : 1;
+    for (int i = 0; i < 9 && mirrored; i++)
+      corner[i / 3][i % 3] -= 1;
+    deck_polygon(d, name, 3, (const double(*)[3])corner, rho[f + 1], bright * emission[f + 1]);
+  }
+}
+
+/* Two corners that do not see each other: each part is solved as if it were alone. */
+START_TEST(independent_parts) {
+  static const char method[] =
+      "method: {mesh: graded, elements: 1, grading: 3, degree: 2, solver: ";
+  struct rad_case c[3];
+  struct rad_error e;
+  for (int i = 0; i < 3; i++) { /* the left one, the right one, both */
+    struct deck_text *d = malloc(sizeof *d);
+    deck_begin(d);
+    if (i != 1)
+      add_corner(d, 0, 1);
+    if (i != 0)
+      add_corner(d, 1, 7);
+    deck_add(d, "%s%s}\n", method, _i ? "gmres" : "lu");
+    ck_assert_int_eq(deck_solve(d, &c[i], &e), RAD_OK);
+    ck_assert_int_eq(c[i].report.n_part, i == 2 ? 2 : 1);
+    free(d);
+  }
+  int n = c[0].mesh->n_point;
+  ck_assert_int_eq(c[2].mesh->n_point, 2 * n);
+  for (int p = 0; p < 2 * n; p++) {
+    double alone = p < n ? c[0].u[p] : c[1].u[p - n];
+    ck_assert_msg(fabs(c[2].u[p] - alone) <= 1e-11 * (_i ? 50 : 1), "point %d: %.17g and %.17g", p,
+                  c[2].u[p], alone);
+  }
+  for (int i = 0; i < 3; i++)
+    rad_case_free(&c[i]);
+}
+END_TEST
+
 /* Two bands at once are the two bands one by one. */
 START_TEST(bands) {
   static const char *const text =
@@ -155,6 +200,7 @@ int main(void) {
   tcase_add_loop_test(c, row_sums, 0, N_METHOD);
   tcase_add_loop_test(c, solvers_agree, 0, N_METHOD);
   tcase_add_loop_test(c, bands, 0, 2);
+  tcase_add_loop_test(c, independent_parts, 0, 2);
   suite_add_tcase(s, c);
   return run_suite(s);
 }
