@@ -6,23 +6,6 @@
 
 #include "base/clock.h"
 #include "base/memory.h"
-#include "visibility/facing.h"
-
-static const char *surface_of(const struct rad_scene *s, int triangle) {
-  return s->surface_name[s->triangle[triangle].surface];
-}
-
-static enum rad_code refuse_shadows(const struct rad_case *c, struct rad_error *e) {
-  int found[3];
-  if (!rad_find_shadow(&c->scene, found))
-    return RAD_OK;
-  return rad_fail(e, RAD_EINPUT,
-                  "%s: error: triangle %d (%s) may cast a shadow between triangles %d (%s) and %d "
-                  "(%s), and this version does not compute shadows yet; remove one of the three or "
-                  "turn it away",
-                  c->deck.path, found[2] + 1, surface_of(&c->scene, found[2]), found[0] + 1,
-                  surface_of(&c->scene, found[0]), found[1] + 1, surface_of(&c->scene, found[1]));
-}
 
 static enum rad_code refuse_unavailable(const struct rad_case *c, struct rad_error *e) {
   if (c->deck.method.matrix == RAD_MATRIX_HIERARCHICAL)
@@ -77,12 +60,10 @@ static enum rad_code refuse_too_large(const struct rad_case *c, struct rad_error
                   p->bytes / 1e9, p->unknowns, p->available / 1e9, advice);
 }
 
-static enum rad_code count_skipped(struct rad_case *c, struct rad_error *e) {
+static void count_skipped(struct rad_case *c) {
   const struct rad_mesh *m = c->mesh;
   int n = c->scene.n_triangle;
-  unsigned char *sees = rad_sees(&c->scene);
-  if (!sees)
-    return rad_fail_memory(e, "the table of facing triangles", (double)n * n);
+  const unsigned char *sees = c->visibility.sight;
   for (int i = 0; i < n; i++)
     for (int j = 0; j < n; j++)
       if (!sees[(size_t)i * n + j]) {
@@ -91,8 +72,6 @@ static enum rad_code count_skipped(struct rad_case *c, struct rad_error *e) {
             m->element_first[m->patch_first[j + 1]] - m->element_first[m->patch_first[j]];
         c->plan.skipped += points * elements;
       }
-  free(sees);
-  return RAD_OK;
 }
 
 enum rad_code rad_case_prepare(const char *deck, int n_set, const char *const *set,
@@ -105,7 +84,7 @@ enum rad_code rad_case_prepare(const char *deck, int n_set, const char *const *s
   if (!code)
     code = rad_scene_build(&c->deck, &c->scene, &c->notes, e);
   if (!code)
-    code = refuse_shadows(c, e);
+    code = rad_visibility_build(&c->scene, &c->visibility, e);
   c->seconds_scene = rad_seconds() - start;
   if (code)
     return code;
@@ -124,9 +103,8 @@ enum rad_code rad_case_prepare(const char *deck, int n_set, const char *const *s
   if (code)
     return code;
   c->seconds_mesh = rad_seconds() - start;
-  if ((code = rad_case_check_probes(c, e)))
-    return code;
-  return count_skipped(c, e);
+  count_skipped(c);
+  return rad_case_check_probes(c, e);
 }
 
 /* rho and E at the collocation points. */
@@ -206,6 +184,7 @@ void rad_case_free(struct rad_case *c) {
   if (c->mesh)
     rad_mesh_free(c->mesh);
   free(c->mesh);
+  rad_visibility_free(&c->visibility);
   rad_scene_free(&c->scene);
   rad_notes_free(&c->notes);
   rad_deck_free(&c->deck);

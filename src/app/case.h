@@ -5,6 +5,7 @@
 #include "estimate/adapt.h"
 #include "output/result.h"
 #include "system/solve.h"
+#include "visibility/visibility.h"
 
 struct rad_plan {
   double bytes;        /* memory that the run holds at once */
@@ -18,7 +19,8 @@ struct rad_plan {
 
 struct rad_case {
   struct rad_deck deck;
-  struct rad_scene scene;
+  struct rad_scene scene; /* points to visibility: a case must not move */
+  struct rad_visibility visibility;
   struct rad_notes notes;
   struct rad_mesh *mesh; /* owned */
   struct rad_rules rules;
@@ -33,8 +35,8 @@ struct rad_case {
   double seconds_scene, seconds_mesh, seconds_assemble, seconds_estimate;
 };
 
-/* deck -> scene -> plan -> mesh; refuses scenes that may have shadows, and what does not fit into
- * memory, before anything large is made. */
+/* deck -> scene -> visibility -> plan -> mesh; refuses what does not fit into memory before
+ * anything large is made. */
 enum rad_code rad_case_prepare(const char *deck, int n_set, const char *const *set,
                                struct rad_case *c, struct rad_error *e);
 

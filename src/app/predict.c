@@ -73,8 +73,8 @@ enum rad_code rad_case_predict(struct rad_case *c, struct rad_error *e) {
   if (!code)
     code = rad_scratch_init(c->mesh, &scratch, e);
   double *row = rad_alloc((size_t)c->mesh->n_point, SAMPLE_POINTS * sizeof(double));
-  unsigned char *sees = rad_sees(&c->scene);
-  if (!code && (!row || !sees))
+  const unsigned char *sees = c->visibility.sight;
+  if (!code && !row)
     code = rad_fail_memory(e, "the prediction", 8.0 * SAMPLE_POINTS * c->mesh->n_point);
   if (!code) {
     int threads =
@@ -88,6 +88,5 @@ enum rad_code rad_case_predict(struct rad_case *c, struct rad_error *e) {
   }
   rad_scratch_free(&scratch);
   free(row);
-  free(sees);
   return code;
 }

@@ -315,6 +315,11 @@ static const double *exponents(double (*list)[3]) {
   return list ? list[0] : NULL;
 }
 
+/* As asked; else that of an adaptive run, and 1e-6 on a mesh made by hand. */
+static double view_tolerance(const struct rad_case *c) {
+  return c->is_adaptive || c->deck.tolerance > 0 ? c->tolerance : 1e-6;
+}
+
 enum rad_code rad_case_result(const struct rad_case *c, const char *command, struct rad_result *r,
                               struct rad_error *e) {
   size_t means = (size_t)c->scene.n_triangle * (size_t)c->scene.n_band;
@@ -337,6 +342,8 @@ enum rad_code rad_case_result(const struct rad_case *c, const char *command, str
     code = set_points(c, r, e);
   if (!code)
     code = rad_case_probes(c, r, e);
+  if (!code && c->deck.output.view_factors)
+    code = rad_view_factors(&c->scene, view_tolerance(c), 0, &r->view_factors, e);
   if (!code)
     set_diagnostics(c, &r->diagnostics);
   return code;

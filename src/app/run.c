@@ -73,9 +73,7 @@ static void print_exponents(const struct rad_case *c, const struct rad_layout *l
 /* polyrad check of an adaptive run: its start; where it ends, only solving can tell. */
 static enum rad_code check_adaptive(const struct rad_case *c, FILE *out, struct rad_error *e) {
   struct rad_layout l = {0};
-  unsigned char *sees = rad_sees(&c->scene);
-  enum rad_code code = sees ? rad_layout_begin(&c->scene, sees, c->tolerance, &l, e)
-                            : rad_fail_memory(e, "the table of facing triangles", 0);
+  enum rad_code code = rad_layout_begin(&c->scene, c->visibility.sight, c->tolerance, &l, e);
   if (!code) {
     double unknowns = rad_layout_unknowns(&l);
     fprintf(out, "  mesh     adaptive, starts with %d elements, %.0f unknowns, %.4g MB\n", l.n_leaf,
@@ -85,7 +83,6 @@ static enum rad_code check_adaptive(const struct rad_case *c, FILE *out, struct 
     print_exponents(c, &l, out);
   }
   rad_layout_free(&l);
-  free(sees);
   return code;
 }
 
@@ -123,6 +120,21 @@ static void print_probes(const struct rad_case *c, const struct rad_result *r, F
     }
 }
 
+static void print_view_factors(const struct rad_view_factors *f, FILE *out) {
+  if (!f->matrix)
+    return;
+  double least = INFINITY, most = 0;
+  for (int s = 0; s < f->n; s++) {
+    least = fmin(least, f->row_sum[s]);
+    most = fmax(most, f->row_sum[s]);
+  }
+  fprintf(out,
+          "  views    %d x %d view factors, error %.1e, reciprocity to %.1e, rows sum to %.9g .. "
+          "%.9g; %lld points, %.3f s%s\n",
+          f->n, f->n, f->worst_error, f->worst_reciprocity, least, most, (long long)f->points,
+          f->seconds, f->converged ? "" : " (NOT CONVERGED)");
+}
+
 static void print_solution(const struct rad_case *c, const struct rad_result *r, FILE *out) {
   const struct rad_solve_report *s = &c->report;
   const struct rad_diagnostics *d = &r->diagnostics;
@@ -156,6 +168,7 @@ static void print_solution(const struct rad_case *c, const struct rad_result *r,
   fprintf(out, "\n");
   print_means(c, r, out);
   print_probes(c, r, out);
+  print_view_factors(&r->view_factors, out);
   fprintf(out,
           "  time     %.3f s: assemble %.3f, factor %.3f, solve %.3f, output %.3f; %d threads\n",
           d->seconds_total, d->seconds_assemble, d->seconds_factor, d->seconds_solve,
@@ -185,12 +198,23 @@ static void warn(const struct rad_case *c, FILE *log) {
             c->deck.path, c->report.inverse_norm, c->rules.tolerance, amplified);
 }
 
+static void warn_view_factors(const struct rad_case *c, const struct rad_view_factors *f,
+                              FILE *log) {
+  if (f->matrix && !f->converged)
+    fprintf(log,
+            "%s: warning: the view factors have an estimated error of %.2e and a reciprocity error "
+            "of %.2e, not the tolerance %.3g: %s\n",
+            c->deck.path, f->worst_error, f->worst_reciprocity, f->tolerance, f->reason);
+}
+
 /* Picture, means and file of a case that has a solution, converged or not. */
 static enum rad_code output(const struct rad_case *c, const struct rad_command *command,
                             double started, struct rad_error *e) {
   const char *path = command->output ? command->output : c->deck.output.file;
   struct rad_result result = {0};
   enum rad_code code = rad_case_result(c, command->line, &result, e);
+  if (!code)
+    warn_view_factors(c, &result.view_factors, command->log);
   if (!code)
     code = rad_result_write(path, &result, started, e);
   if (!code && !command->quiet) {

@@ -8,6 +8,7 @@
 
 #include "base/clock.h"
 #include "base/memory.h"
+#include "visibility/visibility.h"
 
 enum { MAX_LEVEL = 40 };
 
@@ -234,10 +235,8 @@ enum rad_code rad_adapt(const struct rad_scene *scene, const struct rad_goal *g,
   *a = (struct rad_adaptive){.quadrature = quadrature_tolerance(g, 2.5)};
   double start = rad_seconds(), began = start, least = INFINITY;
   int stuck = 0;
-  unsigned char *sees = rad_sees(scene);
-  enum rad_code code = sees ? rad_layout_begin(scene, sees, g->tolerance, &a->layout, e)
-                            : rad_fail_memory(e, "the table of facing triangles", 0);
-  free(sees);
+  enum rad_code code =
+      rad_layout_begin(scene, scene->visibility->sight, g->tolerance, &a->layout, e);
   while (!code) {
     began = rad_seconds();
     if ((code = level(scene, g, a, e)))

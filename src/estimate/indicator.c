@@ -246,7 +246,7 @@ static void add_parts(void *context, int thread, int first, int m, const double 
         }
       }
       int at = first + i;
-      if (fabs(total) > w->total[at]) {
+      if (!(fabs(total) <= w->total[at]) && !isnan(w->total[at])) { /* a NaN stays */
         w->total[at] = fabs(total);
         w->sum[at] = sum;
         w->largest[at] = largest;
@@ -266,6 +266,8 @@ static enum rad_code check(struct work *w, struct rad_error *e) {
     for (int i = 0; i < n_element; i++)
       x->part[i] = fmax(x->part[i], w->part[(size_t)t * (size_t)n_element + (size_t)i]);
   for (int c = 0; c < w->check.n && !code; c++) {
+    if (!isfinite(w->total[c]))
+      return rad_fail_integral(w->mesh->scene, w->check.triangle[c], e);
     x->limit = fmax(x->limit, w->total[c]);
     if (w->element[c] < 0)
       continue;

@@ -1,5 +1,7 @@
 #include "estimate/iterate.h"
 
+#include <math.h>
+
 #include <omp.h>
 #include <stdlib.h>
 #include <string.h>
@@ -73,6 +75,8 @@ enum rad_code rad_visit_rows(const struct rad_mesh *mesh, const struct rad_rules
     }
   }
   for (int t = 0; worker && t < n_thread; t++) {
+    if (!code && worker[t].scratch.shade.failed)
+      code = rad_fail_memory(e, "the shadows", 0);
     rad_scratch_free(&worker[t].scratch);
     free(worker[t].row);
   }
@@ -111,7 +115,18 @@ enum rad_code rad_irradiance_at(const struct rad_mesh *mesh, const struct rad_ru
                                 const unsigned char *sees, const struct rad_point_list *p,
                                 int n_band, const double *u, double *h, struct rad_error *e) {
   struct irradiance c = {mesh, sees, p->triangle, n_band, u, h};
-  return rad_visit_rows(mesh, rules, sees, p, add_irradiance, &c, e);
+  enum rad_code code = rad_visit_rows(mesh, rules, sees, p, add_irradiance, &c, e);
+  for (int i = 0; i < p->n * n_band && !code; i++)
+    if (!isfinite(h[i]))
+      code = rad_fail_integral(mesh->scene, p->triangle[i / n_band], e);
+  return code;
+}
+
+enum rad_code rad_fail_integral(const struct rad_scene *s, int triangle, struct rad_error *e) {
+  return rad_fail(e, RAD_ENUMERIC,
+                  "an integral for a point of triangle %d (%s) is not finite: an error of polyrad; "
+                  "please report the deck",
+                  triangle + 1, s->surface_name[s->triangle[triangle].surface]);
 }
 
 void rad_iterated(const struct rad_scene *scene, const struct rad_point_list *p, const double *h,

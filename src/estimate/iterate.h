@@ -19,7 +19,7 @@ typedef void rad_row_visitor(void *context, int thread, int first, int m, const 
 /**
  * Rows of K at points, batch by batch, in parallel; a batch is a run of points of one triangle.
  *
- * @param[in]  sees  [n_triangle, n_triangle] of rad_sees
+ * @param[in]  sees  [n_triangle, n_triangle] of the scene's visibility
  * @param      visit called once a batch, from the thread that made it
  */
 enum rad_code rad_visit_rows(const struct rad_mesh *mesh, const struct rad_rules *rules,
@@ -37,6 +37,9 @@ enum rad_code rad_visit_rows(const struct rad_mesh *mesh, const struct rad_rules
 enum rad_code rad_irradiance_at(const struct rad_mesh *mesh, const struct rad_rules *rules,
                                 const unsigned char *sees, const struct rad_point_list *points,
                                 int n_band, const double *u, double *h, struct rad_error *e);
+
+/* What no integral should be. */
+enum rad_code rad_fail_integral(const struct rad_scene *s, int triangle, struct rad_error *e);
 
 /* u* = E + rho h at points (theory 6.1); h and u [n, n_band] may be the same array. */
 void rad_iterated(const struct rad_scene *scene, const struct rad_point_list *points,

@@ -35,7 +35,7 @@ enum { RAD_MAX_POINTS_1D = 18 }; /* largest k of an adaptive element */
  * the emission of a passive face: black, unlit, or seeing nothing, where u = E and no row is
  * needed.
  *
- * @param[in]  sees  [n_triangle, n_triangle] of rad_sees
+ * @param[in]  sees  [n_triangle, n_triangle] of the scene's visibility
  * @param[out] l     to be freed with rad_layout_free, also after an error
  */
 enum rad_code rad_layout_begin(const struct rad_scene *scene, const unsigned char *sees,

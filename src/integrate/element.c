@@ -4,10 +4,12 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
+#include "base/vec.h"
 #include "integrate/far.h"
 #include "integrate/near.h"
 #include "integrate/strips.h"
 #include "visibility/facing.h"
+#include "visibility/irradiance.h"
 
 enum { N_CLASS = 2 * RAD_N_ORDER + 1 }; /* pairs of rules, nearest last; NEAR comes after them */
 
@@ -31,10 +33,12 @@ enum rad_code rad_scratch_init(const struct rad_mesh *mesh, struct rad_scratch *
                             .frame = rad_alloc(3 * RAD_BATCH, sizeof(double)),
                             .list = rad_alloc((N_CLASS + 1) * RAD_BATCH, sizeof(int)),
                             .count = rad_alloc(N_CLASS + 1, sizeof(int)),
-                            .row = rad_alloc(RAD_BATCH, sizeof(int))};
-  if (!s->far || !s->frame || !s->list || !s->count || !s->row)
+                            .row = rad_alloc(RAD_BATCH, sizeof(int)),
+                            .frame_whole = rad_alloc(3 * RAD_BATCH, sizeof(double)),
+                            .row_whole = rad_alloc(RAD_BATCH, sizeof(int))};
+  if (!s->far || !s->frame || !s->list || !s->count || !s->row || !s->frame_whole || !s->row_whole)
     return rad_fail_memory(e, "the integrator", (double)most * RAD_TILE * 8);
-  return RAD_OK;
+  return rad_shade_init(mesh->scene, RAD_BATCH, &s->shade, e);
 }
 
 void rad_scratch_free(struct rad_scratch *s) {
@@ -43,11 +47,10 @@ void rad_scratch_free(struct rad_scratch *s) {
   free(s->list);
   free(s->count);
   free(s->row);
+  free(s->frame_whole);
+  free(s->row_whole);
+  rad_shade_free(&s->shade);
   *s = (struct rad_scratch){0};
-}
-
-int rad_block_is_zero(const struct rad_scene *scene, int target, int source) {
-  return target == source || !rad_faces(&scene->triangle[target], &scene->triangle[source]);
 }
 
 /* Distances at which the rules of an element suffice (theory 3.5): its longest segments of each
@@ -89,17 +92,23 @@ static int class_of(const struct classes *c, double d2) {
   return i < c->n ? i : N_CLASS;
 }
 
+/* Targets that one element is integrated for, in the frame of its patch. */
+struct batch {
+  int n;
+  const double *frame; /* [3, RAD_BATCH] */
+  const int *row;      /* [n] of the result */
+};
+
 /* Sort targets in front of the source into lists by rule; groups of eight share one where they can.
  */
-static void sort_targets(const struct classes *c, const double *restrict x, int n,
-                         struct rad_scratch *s) {
+static void sort_targets(const struct classes *c, const struct batch *t, struct rad_scratch *s) {
   enum { GROUP = 8 };
-  const double *restrict y = x + RAD_BATCH, *restrict z = y + RAD_BATCH;
+  const double *restrict x = t->frame, *restrict y = x + RAD_BATCH, *restrict z = y + RAD_BATCH;
   for (int i = 0; i <= N_CLASS; i++)
     s->count[i] = 0;
-  for (int g = 0; g < n; g += GROUP) {
+  for (int g = 0; g < t->n; g += GROUP) {
     double d2[GROUP], least = INFINITY;
-    int m = n - g < GROUP ? n - g : GROUP;
+    int m = t->n - g < GROUP ? t->n - g : GROUP;
     for (int i = 0; i < m; i++) {
       double dx = x[g + i] - c->center[0], dy = y[g + i] - c->center[1], dz = z[g + i];
       d2[i] = dx * dx + dy * dy + dz * dz;
@@ -113,7 +122,7 @@ static void sort_targets(const struct classes *c, const double *restrict x, int 
   }
 }
 
-/* Column of a trial function in the caller's matrix; folded elements gather several. */
+/* Columns of an element's trial functions; folded ones gather several. */
 static void store(const struct rad_element *e, const double *value, int stride, double *k,
                   int64_t ld) {
   int n = e->k_phi * e->k_r;
@@ -124,18 +133,18 @@ static void store(const struct rad_element *e, const double *value, int stride, 
         sum += e->fold[f * n + b] * value[b * stride];
     else
       sum = value[f * stride];
-    k[ld * (e->first + f)] = sum;
+    k[ld * f] = sum;
   }
 }
 
 static void far_targets(const struct rad_mesh *mesh, const struct rad_rules *rules, int element,
-                        const struct rad_view *view, const struct classes *c, int one, double *k,
-                        int64_t ld, struct rad_scratch *s) {
+                        const struct rad_view *view, const struct classes *c, int one,
+                        const struct batch *t, double *k, int64_t ld, struct rad_scratch *s) {
   const struct rad_element *e = &mesh->element[element];
   const struct rad_panel *angular = &rules->panel[rules->angular[element]];
   const struct rad_panel *radial = &rules->panel[rules->radial[element]];
   const int *list = s->list + one * RAD_BATCH;
-  const double *x = s->frame, *y = x + RAD_BATCH, *z = y + RAD_BATCH;
+  const double *x = t->frame, *y = x + RAD_BATCH, *z = y + RAD_BATCH;
   double *out = s->far;
   for (int start = 0; start < s->count[one]; start += RAD_TILE) {
     int n = s->count[one] - start < RAD_TILE ? s->count[one] - start : RAD_TILE;
@@ -150,11 +159,11 @@ static void far_targets(const struct rad_mesh *mesh, const struct rad_rules *rul
             n, out);
     if (e->fold) {
       for (int i = 0; i < n; i++)
-        store(e, out + i, RAD_TILE, k + s->row[list[start + i]], ld);
+        store(e, out + i, RAD_TILE, k + t->row[list[start + i]], ld);
     } else {
       for (int b = 0; b < e->n_function; b++)
         for (int i = 0; i < n; i++)
-          k[s->row[list[start + i]] + ld * (e->first + b)] = out[b * RAD_TILE + i];
+          k[t->row[list[start + i]] + ld * b] = out[b * RAD_TILE + i];
     }
     s->counters.kernel_values +=
         (int64_t)n * rad_order[c->angular[one]] * rad_order[c->radial[one]];
@@ -162,83 +171,178 @@ static void far_targets(const struct rad_mesh *mesh, const struct rad_rules *rul
   }
 }
 
-static void near_targets(const struct rad_mesh *mesh, const struct rad_rules *rules, int element,
-                         const struct rad_view *view, const struct rad_strip *strip, int n_strip,
-                         const int *list, int n, double *k, int64_t ld, struct rad_scratch *s) {
-  const struct rad_element *e = &mesh->element[element];
-  struct rad_near w = {.gauss = &mesh->gauss,
-                       .patch = &mesh->patch[e->patch],
-                       .element = e,
-                       .to_lagrange_phi = rules->to_lagrange[e->k_phi],
-                       .to_lagrange_r = rules->to_lagrange[e->k_r],
-                       .digits = log(100 / rules->tolerance),
-                       .n0 = view->n0,
-                       .na = view->na,
-                       .nb = view->nb};
-  for (int i = 0; i < n; i++) {
-    int j = list ? list[i] : i;
-    double *out = s->far;
-    for (int d = 0; d < 3; d++)
-      w.x[d] = s->frame[d * RAD_BATCH + j];
-    if (w.x[2] > 0 && n_strip > 0)
-      rad_near(&w, strip, n_strip, out);
-    else
-      for (int b = 0; b < e->k_phi * e->k_r; b++)
-        out[b] = 0;
-    store(e, out, 1, k + s->row[j], ld);
-  }
-  s->counters.near += n;
-  s->counters.kernel_values += w.n_kernel;
+/* One element as the near integrator sees it; x is still to be set. */
+static struct rad_near near_work(const struct rad_mesh *mesh, const struct rad_rules *rules,
+                                 const struct rad_view *view, const struct rad_element *e) {
+  return (struct rad_near){.gauss = &mesh->gauss,
+                           .patch = &mesh->patch[e->patch],
+                           .element = e,
+                           .to_lagrange_phi = rules->to_lagrange[e->k_phi],
+                           .to_lagrange_r = rules->to_lagrange[e->k_r],
+                           .digits = log(100 / rules->tolerance),
+                           .n0 = view->n0,
+                           .na = view->na,
+                           .nb = view->nb};
 }
 
-/* One element for all targets in s->frame. */
-static void element_block(const struct rad_mesh *mesh, const struct rad_rules *rules, int element,
-                          const struct rad_view *view, int n, int cut, double *k, int64_t ld,
-                          struct rad_scratch *s) {
+/* Target i of a batch over the strips of an element. */
+static void near_target(struct rad_near *w, const struct rad_strip *strip, int n_strip,
+                        const struct batch *t, int i, double *k, int64_t ld,
+                        struct rad_scratch *s) {
+  const struct rad_element *e = w->element;
+  double *out = s->far;
+  for (int d = 0; d < 3; d++)
+    w->x[d] = t->frame[d * RAD_BATCH + i];
+  w->n_kernel = 0;
+  if (w->x[2] > 0 && n_strip > 0)
+    rad_near(w, strip, n_strip, out);
+  else
+    for (int b = 0; b < e->k_phi * e->k_r; b++)
+      out[b] = 0;
+  store(e, out, 1, k + t->row[i], ld);
+  s->counters.near++;
+  s->counters.kernel_values += w->n_kernel;
+}
+
+/* A whole element in front of all targets of a batch, which see all of it. */
+static void whole_block(const struct rad_mesh *mesh, const struct rad_rules *rules, int element,
+                        const struct rad_view *view, const struct batch *t, double *k, int64_t ld,
+                        struct rad_scratch *s) {
   const struct rad_element *e = &mesh->element[element];
-  const struct rad_patch *patch = &mesh->patch[e->patch];
-  struct rad_strip strip[RAD_MAX_CORNER];
-  if (cut) {
-    struct rad_polygon part;
-    rad_element_polygon(patch, e, &part);
+  struct classes classes;
+  set_classes(&mesh->patch[e->patch], e, &rules->panel[rules->angular[element]],
+              &rules->panel[rules->radial[element]], &classes);
+  sort_targets(&classes, t, s);
+  for (int one = 0; one < classes.n; one++)
+    far_targets(mesh, rules, element, view, &classes, one, t, k, ld, s);
+  struct rad_strip strip = rad_strip_whole(e);
+  struct rad_near w = near_work(mesh, rules, view, e);
+  for (int i = 0; i < s->count[N_CLASS]; i++)
+    near_target(&w, &strip, 1, t, s->list[N_CLASS * RAD_BATCH + i], k, ld, s);
+}
+
+/* Lambert's formula for constants on visible parts (theory 3.15). */
+static double constant_part(const struct rad_mesh *mesh, const struct rad_near *w, int target,
+                            struct rad_parts *parts) {
+  const struct rad_patch *p = w->patch;
+  const double *n = mesh->scene->triangle[target].normal;
+  double normal[3] = {rad_dot(n, p->e1), rad_dot(n, p->e2),
+                      rad_dot(n, mesh->scene->triangle[p->triangle].normal)};
+  for (int i = 0; i < parts->n; i++)
+    for (int c = 0; c < parts->part[i].n; c++) {
+      double *y = parts->part[i].corner[c], r = y[0], rt = y[1];
+      y[0] = r * p->a1 + rt * p->b1;
+      y[1] = rt * p->b2;
+    }
+  return rad_parts_form_factor(parts, w->x, normal);
+}
+
+/* Target i of a batch over s->shade.parts of an element. */
+static void parts_target(const struct rad_mesh *mesh, struct rad_near *w, int target,
+                         const struct batch *t, int i, double *k, int64_t ld,
+                         struct rad_scratch *s) {
+  const struct rad_element *e = w->element;
+  if (e->k_phi * e->k_r > 1) {
+    int n_strip = rad_shade_strips(&s->shade, w->patch, e);
+    near_target(w, s->shade.strip, n_strip, t, i, k, ld, s);
+    return;
+  }
+  for (int d = 0; d < 3; d++)
+    w->x[d] = t->frame[d * RAD_BATCH + i];
+  double f = w->x[2] > 0 ? constant_part(mesh, w, target, &s->shade.parts) : 0;
+  store(e, &f, 1, k + t->row[i], ld);
+  s->counters.near++;
+}
+
+/* An element on which shadows fall, or that the horizon cuts: target by target. Those that see the
+ * whole element are left for whole_block. */
+static void parts_block(const struct rad_mesh *mesh, const struct rad_rules *rules, int element,
+                        const struct rad_view *view, int target, int shaded,
+                        const struct rad_polygon *part, int cut, double *k, int64_t ld,
+                        struct rad_scratch *s) {
+  const struct rad_element *e = &mesh->element[element];
+  struct rad_near w = near_work(mesh, rules, view, e);
+  struct batch all = {s->n, s->frame, s->row}, whole = {0, s->frame_whole, s->row_whole};
+  for (int i = 0; i < s->n; i++) {
+    enum rad_sight sight = rad_shade_polygon(&s->shade, shaded ? i : -1, part);
+    if (sight == RAD_FREE && !cut) {
+      for (int d = 0; d < 3; d++)
+        s->frame_whole[d * RAD_BATCH + whole.n] = s->frame[d * RAD_BATCH + i];
+      s->row_whole[whole.n++] = s->row[i];
+    } else {
+      parts_target(mesh, &w, target, &all, i, k, ld, s);
+    }
+  }
+  if (whole.n)
+    whole_block(mesh, rules, element, view, &whole, k, ld, s);
+}
+
+/* One element for all targets in s->frame; k: its first column. */
+static void element_block(const struct rad_mesh *mesh, const struct rad_rules *rules, int element,
+                          const struct rad_view *view, int target, int across, int shaded,
+                          double *k, int64_t ld, struct rad_scratch *s) {
+  const struct rad_element *e = &mesh->element[element];
+  struct rad_polygon part;
+  int cut = 0;
+  if (across || shaded)
+    rad_element_polygon(&mesh->patch[e->patch], e, &part);
+  if (across) {
     double lowest = INFINITY;
     for (int i = 0; i < part.n; i++)
       lowest = fmin(lowest, view->n0 + view->na * part.corner[i][0] + view->nb * part.corner[i][1]);
-    if (lowest < 0) {
+    cut = lowest < 0;
+    if (cut)
       rad_clip(&part, view->n0, view->na, view->nb);
-      int n_strip = part.n ? rad_strips(patch, e, &part, strip) : 0;
-      near_targets(mesh, rules, element, view, strip, n_strip, NULL, n, k, ld, s);
-      return;
-    }
   }
-  struct classes classes;
-  set_classes(patch, e, &rules->panel[rules->angular[element]],
-              &rules->panel[rules->radial[element]], &classes);
-  sort_targets(&classes, s->frame, n, s);
-  for (int one = 0; one < classes.n; one++)
-    far_targets(mesh, rules, element, view, &classes, one, k, ld, s);
-  strip[0] = rad_strip_whole(e);
-  near_targets(mesh, rules, element, view, strip, 1, s->list + N_CLASS * RAD_BATCH,
-               s->count[N_CLASS], k, ld, s);
+  if (cut || shaded)
+    parts_block(mesh, rules, element, view, target, shaded, &part, cut, k, ld, s);
+  else
+    whole_block(mesh, rules, element, view, &(struct batch){s->n, s->frame, s->row}, k, ld, s);
+}
+
+/* A batch of targets before one patch. */
+struct scene_of_batch {
+  struct rad_view view;
+  int across, shaded;
+};
+
+/* The targets in the frame of the patch, and the shadows that they see. */
+static void begin(const struct rad_mesh *mesh, const struct rad_targets *targets, int patch,
+                  struct scene_of_batch *b, struct rad_scratch *s) {
+  const struct rad_scene *scene = mesh->scene;
+  const struct rad_triangle *target = &scene->triangle[targets->triangle];
+  const struct rad_triangle *source = &scene->triangle[mesh->patch[patch].triangle];
+  rad_view_set(target, source, &mesh->patch[patch], &b->view);
+  for (int i = 0; i < targets->n; i++) {
+    double x[3];
+    rad_view_point(&b->view, targets->base[i], targets->mu[i], x);
+    for (int d = 0; d < 3; d++)
+      s->frame[d * RAD_BATCH + i] = x[d];
+    s->row[i] = targets->row ? targets->row[i] : i;
+  }
+  s->n = targets->n;
+  b->across = rad_side_of(target, source) == RAD_ACROSS;
+  b->shaded = rad_shade_cast(scene, targets->triangle, &mesh->patch[patch], targets->n,
+                             targets->base, targets->mu, &s->shade);
 }
 
 void rad_patch_block(const struct rad_mesh *mesh, const struct rad_rules *rules,
                      const struct rad_targets *targets, int patch, const unsigned char *wanted,
                      double *k, int64_t ld, struct rad_scratch *s) {
-  const struct rad_scene *scene = mesh->scene;
-  const struct rad_triangle *target = &scene->triangle[targets->triangle];
-  const struct rad_triangle *source = &scene->triangle[mesh->patch[patch].triangle];
-  struct rad_view view;
-  rad_view_set(target, source, &mesh->patch[patch], &view);
-  for (int i = 0; i < targets->n; i++) {
-    double x[3];
-    rad_view_point(&view, targets->base[i], targets->mu[i], x);
-    for (int d = 0; d < 3; d++)
-      s->frame[d * RAD_BATCH + i] = x[d];
-    s->row[i] = targets->row ? targets->row[i] : i;
-  }
-  int cut = rad_side_of(target, source) == RAD_ACROSS;
+  struct scene_of_batch b;
+  begin(mesh, targets, patch, &b, s);
   for (int i = mesh->element_first[patch]; i < mesh->element_first[patch + 1]; i++)
     if (!wanted || wanted[i])
-      element_block(mesh, rules, i, &view, targets->n, cut, k, ld, s);
+      element_block(mesh, rules, i, &b.view, targets->triangle, b.across, b.shaded,
+                    k + ld * mesh->element[i].first, ld, s);
+}
+
+void rad_element_list_block(const struct rad_mesh *mesh, const struct rad_rules *rules,
+                            const struct rad_targets *targets, int n, const int *element,
+                            const int64_t *column, double *k, int64_t ld, struct rad_scratch *s) {
+  struct scene_of_batch b;
+  begin(mesh, targets, mesh->element[element[0]].patch, &b, s);
+  for (int i = 0; i < n; i++)
+    element_block(mesh, rules, element[i], &b.view, targets->triangle, b.across, b.shaded,
+                  k + ld * column[i], ld, s);
 }

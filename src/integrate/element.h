@@ -5,6 +5,7 @@
 #include <stdint.h>
 
 #include "integrate/rule.h"
+#include "integrate/shade.h"
 
 /* Target points on one triangle, positions as in rad_patch. */
 struct rad_targets {
@@ -21,11 +22,15 @@ struct rad_counters {
 /* Memory of one thread. */
 struct rad_scratch {
   struct rad_counters counters;
-  double *far;   /* owned */
-  double *frame; /* owned [3, RAD_BATCH] targets in the frame of the patch */
-  int *list;     /* owned [(2 RAD_N_ORDER + 2), RAD_BATCH] targets by rule */
-  int *count;    /* owned [2 RAD_N_ORDER + 2] */
-  int *row;      /* owned [RAD_BATCH] rows of the targets */
+  double *far;         /* owned */
+  double *frame;       /* owned [3, RAD_BATCH] targets in the frame of the patch */
+  int *list;           /* owned [(2 RAD_N_ORDER + 2), RAD_BATCH] targets by rule */
+  int *count;          /* owned [2 RAD_N_ORDER + 2] */
+  int n;               /* targets */
+  int *row;            /* owned [RAD_BATCH] rows of the targets */
+  double *frame_whole; /* owned, and row_whole: the targets that see all of an element */
+  int *row_whole;
+  struct rad_shade shade;
 };
 
 enum { RAD_BATCH = 512 }; /* most targets at once */
@@ -47,7 +52,12 @@ void rad_patch_block(const struct rad_mesh *mesh, const struct rad_rules *rules,
                      const struct rad_targets *targets, int patch, const unsigned char *wanted,
                      double *k, int64_t ld, struct rad_scratch *s);
 
-/* True if the block of these triangles vanishes: coplanar, or one behind the other. */
-int rad_block_is_zero(const struct rad_scene *scene, int target, int source);
+/**
+ * The same for n elements of one patch, with columns of the caller's choice: function f of
+ * element[i] in k[row + ld (column[i] + f)].
+ */
+void rad_element_list_block(const struct rad_mesh *mesh, const struct rad_rules *rules,
+                            const struct rad_targets *targets, int n, const int *element,
+                            const int64_t *column, double *k, int64_t ld, struct rad_scratch *s);
 
 #endif

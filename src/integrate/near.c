@@ -18,8 +18,9 @@ static double t_of(const struct rad_near *w, double sigma) {
   return rad_angle_t(w->patch->angle, whole_power(sigma, (int)p));
 }
 
-static double side_r(const struct rad_side_line *s, double t) {
-  return s->g / (s->c1 + s->c2 * t);
+/* Within the element: a side that almost is a ray may leave it by rounding. */
+static double side_r(const struct rad_near *w, const struct rad_side_line *s, double t) {
+  return fmin(fmax(s->g / (s->c1 + s->c2 * t), w->r[0]), w->r[1]);
 }
 
 /* t_c: |x - ray(t)|^2 = Q |t - t_c|^2 / A, the ray that passes x in complex t (theory 3.7) */
@@ -53,9 +54,9 @@ static int find_poles(const struct rad_near *w, const struct rad_strip *strip,
   double d1 = p->a1 + tf * p->b1, d2 = tf * p->b2;
   double foot = (d1 * w->x[0] + d2 * w->x[1]) / (d1 * d1 + d2 * d2);
   int n = 0;
-  if (foot >= side_r(&strip->lower, tf) && foot <= side_r(&strip->upper, tf))
+  if (foot >= side_r(w, &strip->lower, tf) && foot <= side_r(w, &strip->upper, tf))
     pole[n++] = sigma_of(w, t);
-  if (strip->lower.g > 0)
+  if (strip->lower.g != 0)
     pole[n++] = sigma_of(w, side_pole(w, &strip->lower));
   pole[n++] = sigma_of(w, side_pole(w, &strip->upper));
   return n;
@@ -67,7 +68,8 @@ INLINE void set_ray(const struct rad_near *w, const struct rad_strip *strip, dou
   const struct rad_patch *p = w->patch;
   double d1 = p->a1 + t * p->b1, d2 = t * p->b2, a = d1 * d1 + d2 * d2;
   double r0 = (d1 * w->x[0] + d2 * w->x[1]) / a, delta = sqrt(q * dt2) / a;
-  double r_lo = side_r(&strip->lower, t), r_hi = side_r(&strip->upper, t), pr = w->element->p_r;
+  double r_lo = side_r(w, &strip->lower, t), r_hi = side_r(w, &strip->upper, t),
+         pr = w->element->p_r;
   ray->n0 = w->n0;
   ray->slope = w->na + t * w->nb;
   ray->scale = w->x[2] * p->a1 * p->b2 / (M_PI * a * a);
@@ -129,9 +131,11 @@ static struct range choose(const struct rad_near *w, double lo, double hi, int n
     double z0 = asinh((lo - re) / im), z1 = asinh((hi - re) / im);
     r = (struct range){1, re, im, 0.5 * (z0 + z1), 0.5 * (z1 - z0), 0};
     rho = bernstein(r.mid / r.half, 0.5 * M_PI / r.half);
-    for (int i = 0; i < n_pole; i++) {
+    for (int i = 0; i < n_pole; i++) { /* sinh has this value in z and in i pi - z */
       double complex z = casinh((pole[i] - re) / im);
-      rho = fmin(rho, bernstein((creal(z) - r.mid) / r.half, cimag(z) / r.half));
+      double x = creal(z), y = fabs(cimag(z));
+      rho = fmin(rho, bernstein((x - r.mid) / r.half, y / r.half));
+      rho = fmin(rho, bernstein((-x - r.mid) / r.half, (M_PI - y) / r.half));
     }
   }
   r.n = points_for(rho, degree, r.mapped ? 2 : 0, r.half, w->digits);
@@ -192,6 +196,8 @@ static void across(struct rad_near *w, const struct rad_strip *strip, double lo,
 void rad_near(struct rad_near *w, const struct rad_strip *strip, int n_strip, double *out) {
   int k_phi = w->element->k_phi, k_r = w->element->k_r;
   double moment[RAD_GAUSS_MAX * RAD_GAUSS_MAX], half_done[RAD_GAUSS_MAX];
+  for (int i = 0; i < 2; i++)
+    w->r[i] = rad_graded(w->element->tau[i], w->element->p_r);
   memset(moment, 0, sizeof(double) * (size_t)(k_phi * k_r));
   for (int s = 0; s < n_strip; s++) {
     double complex pole[3];

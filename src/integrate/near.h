@@ -28,6 +28,7 @@ struct rad_near {
   double digits;                                 /* ln(100 / tolerance) */
   double n0, na, nb;                             /* of rad_view */
   double x[3];                                   /* target in the patch's frame, x[2] > 0 [m] */
+  double r[2];                                   /* of the element; set by rad_near */
   int64_t n_kernel;                              /* in, out: kernel values so far */
 };
 

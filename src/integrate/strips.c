@@ -2,6 +2,10 @@
 
 #include <math.h>
 
+/* Cut corners are good to the rounding of the polygon's size: nearer to the patch's corner t means
+ * nothing, and a strip no wider than that is none. */
+#define ROUNDING 1e-15
+
 struct rad_strip rad_strip_whole(const struct rad_element *e) {
   return (struct rad_strip){{e->sigma[0], e->sigma[1]},
                             {rad_graded(e->tau[0], e->p_r), 1, 0},
@@ -41,10 +45,15 @@ static struct rad_side_line side_at(const struct rad_polygon *polygon, double t,
   return found;
 }
 
-static void sort(double *x, int n) {
+/* A corner's ray, and by how much rounding may turn it. */
+struct ray_at {
+  double t, doubt;
+};
+
+static void sort(struct ray_at *x, int n) {
   for (int i = 1; i < n; i++)
-    for (int j = i; j > 0 && x[j] < x[j - 1]; j--) {
-      double keep = x[j];
+    for (int j = i; j > 0 && x[j].t < x[j - 1].t; j--) {
+      struct ray_at keep = x[j];
       x[j] = x[j - 1];
       x[j - 1] = keep;
     }
@@ -52,23 +61,26 @@ static void sort(double *x, int n) {
 
 int rad_strips(const struct rad_patch *patch, const struct rad_element *e,
                const struct rad_polygon *polygon, struct rad_strip *strip) {
-  double t[RAD_MAX_CORNER];
-  int n_t = 0, n = 0, at_corner = 0;
+  struct ray_at ray[RAD_MAX_CORNER];
+  double most = rad_graded(e->tau[1], e->p_r); /* a cut rounds by the size of the whole */
+  int n_ray = 0, n = 0, at_corner = 0;
   for (int i = 0; i < polygon->n; i++) {
-    if (polygon->corner[i][0] > 0)
-      t[n_t++] = polygon->corner[i][1] / polygon->corner[i][0];
+    double r = polygon->corner[i][0];
+    if (r > ROUNDING * most)
+      ray[n_ray++] = (struct ray_at){polygon->corner[i][1] / r, 1e-14 + ROUNDING * most / r};
     else
       at_corner = 1; /* the patch's corner: on every ray */
   }
-  sort(t, n_t);
-  for (int i = 0; i + 1 < n_t; i++) {
-    if (t[i + 1] - t[i] <= 1e-14)
+  sort(ray, n_ray);
+  for (int i = 0; i + 1 < n_ray; i++) {
+    const struct ray_at *side = &ray[i];
+    if (side[1].t - side[0].t <= fmax(side[0].doubt, side[1].doubt))
       continue;
-    double mid = 0.5 * (t[i] + t[i + 1]);
+    double mid = 0.5 * (side[0].t + side[1].t);
     struct rad_strip *s = &strip[n++];
     for (int d = 0; d < 2; d++)
       s->sigma[d] =
-          fmin(fmax(rad_ungraded(rad_angle_phi(patch->angle, t[i + d]), e->p_phi), e->sigma[0]),
+          fmin(fmax(rad_ungraded(rad_angle_phi(patch->angle, side[d].t), e->p_phi), e->sigma[0]),
                e->sigma[1]);
     s->lower = at_corner ? (struct rad_side_line){0, 1, 0} : side_at(polygon, mid, 0);
     s->upper = side_at(polygon, mid, 1);

@@ -96,6 +96,39 @@ static void say_diagnostics(FILE *out, hid_t root) {
   H5Gclose(at);
 }
 
+/* Row sums and, if they fit on a screen, the view factors. */
+static void say_matrix(FILE *out, hid_t root, hid_t at) {
+  enum { READABLE = 10 };
+  const hid_t surfaces = H5Gopen2(root, "surfaces", H5P_DEFAULT);
+  if (surfaces < 0)
+    return;
+  struct rad_report report = {0};
+  rad_report_names(&report, surfaces, "name");
+  if (report.n_row <= READABLE)
+    rad_report_numbers(&report, at, "matrix");
+  rad_report_numbers(&report, at, "row_sum");
+  rad_report_print(&report, MAX_SHOWN, out);
+  rad_report_free(&report);
+  H5Gclose(surfaces);
+}
+
+static void say_view_factors(FILE *out, hid_t root) {
+  if (!rad_hdf_has(root, "view_factors"))
+    return;
+  const hid_t at = H5Gopen2(root, "view_factors", H5P_DEFAULT);
+  if (at < 0)
+    return;
+  fprintf(out, "\nview factors:\n");
+  fprintf(out, "  %-22s %s\n", "converged", rad_hdf_get_number(at, "converged") > 0 ? "yes" : "NO");
+  say_text(out, at, "reason", "reason");
+  say_number(out, at, "tolerance", "tolerance", "");
+  say_number(out, at, "error estimate", "worst_error", "");
+  say_number(out, at, "reciprocity error", "worst_reciprocity", "");
+  say_number(out, at, "time", "seconds_view_factors", "s");
+  say_matrix(out, root, at);
+  H5Gclose(at);
+}
+
 static void say_study(FILE *out, hid_t root) {
   if (!rad_hdf_has(root, "study"))
     return;
@@ -171,6 +204,7 @@ static void say_all(FILE *out, const char *path, hid_t file, hid_t root) {
   say_origin(out, root);
   say_list(out, root, "surfaces", 3, surface);
   say_list(out, root, "probes", 3, probe);
+  say_view_factors(out, root);
   say_diagnostics(out, root);
   say_study(out, root);
   say_members(out, file);

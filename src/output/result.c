@@ -28,6 +28,7 @@ void rad_result_free(struct rad_result *result) {
   free(result->probe_normal);
   free(result->probe_radiosity);
   free(result->probe_irradiance);
+  rad_view_factors_free(&result->view_factors);
   *result = (struct rad_result){0};
 }
 
@@ -236,6 +237,42 @@ static void write_probes(struct rad_hdf *h, hid_t root, const struct rad_result 
   free(name);
 }
 
+static void write_view_factors(struct rad_hdf *h, hid_t root, const struct rad_view_factors *f) {
+  const hsize_t n = (hsize_t)f->n;
+  if (!f->matrix)
+    return;
+  const struct rad_hdf_array column[] = {
+      {"matrix",
+       "1",
+       "view factors F_st, area-weighted means over surface s; rows s and columns t as in "
+       "/polyrad/surfaces",
+       RAD_HDF_REAL,
+       2,
+       {n, n},
+       f->matrix},
+      {"row_sum", "1", "sum of F_st over t; 1 in a closed scene", RAD_HDF_REAL, 1, {n}, f->row_sum},
+      {"error", "1", "estimated error of F_st", RAD_HDF_REAL, 2, {n, n}, f->error},
+      {"reciprocity",
+       "1",
+       "|A_s F_st - A_t F_ts| over the larger of A_s, A_t",
+       RAD_HDF_REAL,
+       2,
+       {n, n},
+       f->reciprocity},
+  };
+  const hid_t group = rad_hdf_group(h, root, "view_factors");
+  for (size_t k = 0; k < sizeof column / sizeof *column; k++)
+    rad_hdf_array(h, group, &column[k]);
+  rad_hdf_set_integer(h, group, "converged", f->converged != 0);
+  rad_hdf_set_text(h, group, "reason", f->reason);
+  rad_hdf_set_real(h, group, "tolerance", f->tolerance);
+  rad_hdf_set_real(h, group, "worst_error", f->worst_error);
+  rad_hdf_set_real(h, group, "worst_reciprocity", f->worst_reciprocity);
+  rad_hdf_set_integer(h, group, "points", f->points);
+  rad_hdf_set_real(h, group, "seconds_view_factors", f->seconds);
+  rad_hdf_group_close(h, group);
+}
+
 static void set_integers(struct rad_hdf *h, hid_t group, const struct rad_diagnostics *d) {
   const struct {
     const char *name;
@@ -289,6 +326,7 @@ enum rad_code rad_result_write(const char *path, struct rad_result *result, doub
   write_triangles(&h, root, result);
   write_solution(&h, root, result);
   write_probes(&h, root, result);
+  write_view_factors(&h, root, &result->view_factors);
 
   struct rad_diagnostics *const d = &result->diagnostics;
   d->seconds_output = rad_seconds() - begin;

@@ -5,6 +5,7 @@
 #include <stdint.h>
 
 #include "base/error.h"
+#include "estimate/view_factors.h"
 #include "scene/scene.h"
 
 /* Cells for pictures: quadrilaterals and triangles with their own corner points (fields may jump);
@@ -58,6 +59,7 @@ struct rad_result {
   double *probe_normal;                          /* owned [n_probe, 3] */
   double *probe_radiosity;                       /* owned [n_probe, n_band] */
   double *probe_irradiance;                      /* owned [n_probe, n_band] */
+  struct rad_view_factors view_factors;          /* owned; matrix is NULL: not asked for */
   struct rad_diagnostics diagnostics;
 };
 
@@ -68,8 +70,8 @@ void rad_result_free(struct rad_result *result); /* frees what it owns; safe twi
  *
  * The file is built in memory, written to PATH.<pid>.tmp, synced, then renamed: PATH never holds
  * half a file, and after an error what it held before (see rad_save). Equal results give equal
- * bytes, apart from `started` in /polyrad and seconds_* in /polyrad/diagnostics. A link PATH is
- * replaced.
+ * bytes, apart from `started` in /polyrad and seconds_* in /polyrad/diagnostics and
+ * /polyrad/view_factors. A link PATH is replaced.
  *
  * The application must ignore SIGXFSZ, else a file-size limit kills it instead of giving an error.
  *

@@ -14,6 +14,11 @@ static const char *name_of(const struct rad_checked *c, int t) {
   return c->scene->surface_name[c->scene->triangle[t].surface];
 }
 
+/* Path of the file that triangle t comes from. */
+static const char *path_of(const struct rad_checked *c, int t) {
+  return c->number[t] > c->n_deck ? c->mesh_path : c->path;
+}
+
 enum rad_code rad_check_fail(const struct rad_checked *c, int t, struct rad_error *e,
                              const char *fmt, ...) {
   char what[768], line[16] = "";
@@ -23,8 +28,8 @@ enum rad_code rad_check_fail(const struct rad_checked *c, int t, struct rad_erro
   va_end(args);
   if (c->scene->triangle[t].line > 0)
     snprintf(line, sizeof line, ":%d", c->scene->triangle[t].line);
-  return rad_fail(e, RAD_EINPUT, "%s%s: error: triangle %d (%s): %s", c->path, line, c->number[t],
-                  name_of(c, t), what);
+  return rad_fail(e, RAD_EINPUT, "%s%s: error: triangle %d (%s): %s", path_of(c, t), line,
+                  c->number[t], name_of(c, t), what);
 }
 
 enum rad_code rad_check_numbers(const struct rad_checked *c, struct rad_error *e) {
@@ -128,7 +133,7 @@ static void note_contacts(const struct rad_checked *c, const struct rad_contacts
     rad_notes_add(notes,
                   "%s%s: warning: triangle %d (%s) touches triangle %d (%s) other than in a vertex "
                   "or a whole edge; divide them so that they share vertices and edges",
-                  c->path, line, c->number[b], name_of(c, b), c->number[a], name_of(c, a));
+                  path_of(c, b), line, c->number[b], name_of(c, b), c->number[a], name_of(c, a));
   }
   long more = contacts->n - RAD_MAX_CONTACT_NOTES;
   if (more > 0)

@@ -4,15 +4,18 @@
 
 #include "scene/scene.h"
 
-/* A scene and what its messages need. `side: both` gives two triangles with one deck number. */
+/* A scene and what its messages need. `side: both` gives two triangles with one number. */
 struct rad_checked {
   const struct rad_scene *scene;
-  const char *path;  /* of the deck */
-  const int *number; /* [n_triangle] 1-based, in deck order; twins are neighbours */
+  const char *path;      /* of the deck */
+  const char *mesh_path; /* where the triangles with numbers above n_deck come from */
+  int n_deck;
+  const int *number; /* [n_triangle] from 1: the deck's, then the mesh's; twins are neighbours */
 };
 
 /**
- * Refuse triangle t: "PATH:LINE: error: triangle 3 (floor): " and the formatted rest.
+ * Refuse triangle t: "PATH:LINE: error: triangle 3 (floor): " and the formatted rest; the path is
+ * that of the file the triangle comes from.
  *
  * @param[in] t  number in the scene, from 0
  * @return RAD_EINPUT

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "base/vec.h"
+#include "scene/box_pairs.h"
 
 #define CONTACT 1e-9      /* of the scene's size: closer is touching */
 #define SMALL_HEIGHT 1e-3 /* of the smaller triangle's height: an upper bound of the tolerance */
@@ -145,49 +146,13 @@ int rad_triangles_touch(const struct rad_triangle *a, const struct rad_triangle 
   return 0;
 }
 
-/* --- the sweep --- */
+/* --- all of them --- */
 
-struct box {
-  double low[3], high[3];
-  double start; /* low end along the sweep */
-  int t;
+struct search {
+  const struct rad_scene *scene;
+  double tolerance;
+  struct rad_contacts *contacts;
 };
-
-static int compare_boxes(const void *a, const void *b) {
-  const struct box *p = a, *q = b;
-  if (p->start != q->start)
-    return p->start < q->start ? -1 : 1;
-  return (p->t > q->t) - (p->t < q->t);
-}
-
-/* Boxes of all triangles but second twins, sorted along the axis of largest spread: its number. */
-static int sort_boxes(const struct rad_scene *s, const int *number, struct box *box, int *n_box) {
-  double sum[3] = {0}, square[3] = {0};
-  int n = 0;
-  for (int t = 0; t < s->n_triangle; t++) {
-    if (t > 0 && number[t] == number[t - 1])
-      continue;
-    const struct rad_triangle *tri = &s->triangle[t];
-    struct box *b = &box[n++];
-    b->t = t;
-    for (int m = 0; m < 3; m++) {
-      b->low[m] = fmin(fmin(tri->v[0][m], tri->v[1][m]), tri->v[2][m]);
-      b->high[m] = fmax(fmax(tri->v[0][m], tri->v[1][m]), tri->v[2][m]);
-      double x = (b->low[m] + b->high[m]) / 2 - s->triangle[0].v[0][m];
-      sum[m] += x;
-      square[m] += x * x;
-    }
-  }
-  int axis = 0;
-  for (int m = 1; m < 3; m++)
-    if (square[m] - sum[m] * sum[m] / n > square[axis] - sum[axis] * sum[axis] / n)
-      axis = m;
-  for (int k = 0; k < n; k++)
-    box[k].start = box[k].low[axis];
-  qsort(box, (size_t)n, sizeof *box, compare_boxes);
-  *n_box = n;
-  return axis;
-}
 
 static void add_pair(struct rad_contacts *p, int a, int b) {
   int low = a < b ? a : b, high = a < b ? b : a;
@@ -207,30 +172,41 @@ static void add_pair(struct rad_contacts *p, int a, int b) {
   }
 }
 
-static void sweep(const struct rad_scene *s, const struct box *box, int n, int axis,
-                  struct rad_contacts *contacts) {
-  double tolerance = CONTACT * s->size;
-  for (int k = 0; k < n; k++)
-    for (int o = k + 1; o < n && box[o].start <= box[k].high[axis] + tolerance; o++) {
-      int apart = 0;
-      for (int m = 0; m < 3; m++)
-        apart |= box[o].low[m] > box[k].high[m] + tolerance ||
-                 box[k].low[m] > box[o].high[m] + tolerance;
-      if (!apart && rad_triangles_touch(&s->triangle[box[k].t], &s->triangle[box[o].t], tolerance))
-        add_pair(contacts, box[k].t, box[o].t);
+static void try_pair(void *context, int a, int b) {
+  const struct search *s = context;
+  const struct rad_triangle *t = s->scene->triangle;
+  if (rad_triangles_touch(&t[a], &t[b], s->tolerance))
+    add_pair(s->contacts, a, b);
+}
+
+/* Boxes of all triangles but second twins, wider by the tolerance: their number. */
+static int make_boxes(const struct rad_scene *s, const int *number, double tolerance,
+                      struct rad_box *box) {
+  int n = 0;
+  for (int t = 0; t < s->n_triangle; t++) {
+    if (t > 0 && number[t] == number[t - 1])
+      continue;
+    const double(*v)[3] = s->triangle[t].v;
+    struct rad_box *b = &box[n++];
+    b->item = t;
+    for (int m = 0; m < 3; m++) {
+      b->low[m] = fmin(fmin(v[0][m], v[1][m]), v[2][m]) - tolerance;
+      b->high[m] = fmax(fmax(v[0][m], v[1][m]), v[2][m]) + tolerance;
     }
+  }
+  return n;
 }
 
 enum rad_code rad_find_contacts(const struct rad_scene *s, const int *number,
                                 struct rad_contacts *contacts, struct rad_error *e) {
   *contacts = (struct rad_contacts){0};
-  struct box *box = calloc((size_t)s->n_triangle + 1, sizeof *box);
+  struct rad_box *box = calloc((size_t)s->n_triangle + 1, sizeof *box);
   if (!box)
     return rad_fail_memory(e, "the search for touching triangles",
                            (double)s->n_triangle * sizeof *box);
-  int n = 0;
-  int axis = sort_boxes(s, number, box, &n);
-  sweep(s, box, n, axis, contacts);
+  struct search search = {s, CONTACT * s->size, contacts};
+  int n = make_boxes(s, number, search.tolerance, box);
+  enum rad_code code = rad_box_pairs(n, box, try_pair, &search, e);
   free(box);
-  return RAD_OK;
+  return code;
 }

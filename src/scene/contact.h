@@ -32,8 +32,7 @@ int rad_triangles_touch(const struct rad_triangle *a, const struct rad_triangle 
 /**
  * Find the triangles that touch other than in a vertex or a whole edge.
  *
- * Sweep and prune along the axis on which the triangles spread most; n log n and about n^1.5 box
- * tests for a surface of similar triangles.
+ * Cost n log n, and the number of triangles whose bounding boxes overlap (box_pairs.h).
  *
  * @param[in]  number    [n_triangle] deck numbers; of neighbours with the same one only the first
  *                       is looked at

@@ -1,13 +1,12 @@
 #include "scene/deck.h"
 
-#include <errno.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "scene/deck_read.h"
 
-enum { MAX_FILE = 1 << 30, FIRST_READ = 1 << 16 };
+#define MAX_FILE 1e9 /* bytes */
 
 static const struct rad_key part_key[RAD_N_PART] = {
     [RAD_PART_TITLE] = {.name = "title",
@@ -21,41 +20,6 @@ static const struct rad_key part_key[RAD_N_PART] = {
     [RAD_PART_OUTPUT] = {.name = "output"},
     [RAD_PART_STUDY] = {.name = "study"},
 };
-
-/* The whole file and a zero byte; *text is owned also after an error. */
-static enum rad_code read_stream(FILE *f, char **text, size_t *n, const char *path,
-                                 struct rad_error *e) {
-  for (size_t size = FIRST_READ;; size *= 2) {
-    char *grown = realloc(*text, size + 1);
-    if (!grown)
-      return rad_fail_memory(e, "the deck", (double)size);
-    *text = grown;
-    errno = 0;
-    *n += fread(*text + *n, 1, size - *n, f);
-    (*text)[*n] = '\0';
-    if (ferror(f))
-      return rad_fail(e, RAD_ESYSTEM, "%.400s: error: cannot read the deck: %s; give a text file",
-                      path, strerror(errno));
-    if (*n < size)
-      return RAD_OK;
-    if (size >= MAX_FILE)
-      return rad_fail(e, RAD_EINPUT,
-                      "%.400s: error: the deck is larger than 1 GB; put the triangles into a mesh "
-                      "file",
-                      path);
-  }
-}
-
-static enum rad_code read_file(const char *path, char **text, size_t *n, struct rad_error *e) {
-  FILE *f = fopen(path, "rb");
-  if (!f)
-    return rad_fail(e, RAD_ESYSTEM,
-                    "%.400s: error: cannot open the deck: %s; check its name and permissions", path,
-                    strerror(errno));
-  enum rad_code code = read_stream(f, text, n, path, e);
-  fclose(f);
-  return code;
-}
 
 unsigned rad_deck_parts_of(const char *key) {
   size_t n = strcspn(key, ".");
@@ -105,7 +69,8 @@ enum rad_code rad_deck_read(const char *path, int n_set, const char *const *set,
   size_t n = 0;
   enum rad_code code = rad_copy_text(&y, path, &deck->path);
   if (!code)
-    code = read_file(path, &deck->text, &n, e);
+    code = rad_file_read(path, "the deck", (size_t)MAX_FILE,
+                         "put the triangles into a mesh file (scene.mesh)", &deck->text, &n, e);
   if (!code)
     code = rad_yaml_parse(&y, 0, deck->text, n, &root);
   if (!code && root->kind != RAD_YAML_MAP)

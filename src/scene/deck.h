@@ -82,9 +82,10 @@ enum rad_given {
 enum { RAD_FIELD_RADIOSITY = 1, RAD_FIELD_IRRADIANCE = 2 };
 
 struct rad_deck_output {
-  char *file;      /* owned; default: the deck's base name with .vtkhdf, in the working folder */
-  int sampling;    /* sub-cells per element and direction, default 4 */
-  unsigned fields; /* bits RAD_FIELD_*; default both */
+  char *file;        /* owned; default: the deck's base name with .vtkhdf, in the working folder */
+  int sampling;      /* sub-cells per element and direction, default 4 */
+  unsigned fields;   /* bits RAD_FIELD_*; default both */
+  bool view_factors; /* the matrix between surfaces; default no */
 };
 
 /* One varied key of a study: its dotted name and the values as text, ready for `--set`. */

@@ -67,6 +67,15 @@ static enum rad_code read_fields(struct rad_yaml *y, const struct rad_yaml_node 
   return RAD_OK;
 }
 
+static enum rad_code read_bool(struct rad_yaml *y, const struct rad_yaml_node *node,
+                               const char *key, bool *value) {
+  static const char *const choice[] = {"false", "true", NULL};
+  int number = 0;
+  enum rad_code code = rad_read_choice(y, node, key, choice, &number);
+  *value = number;
+  return code;
+}
+
 /* In the working folder: runs/corner.yml gives corner.vtkhdf. */
 static enum rad_code default_file(struct rad_yaml *y, char **file) {
   const char *slash = strrchr(y->path, '/'), *base = slash ? slash + 1 : y->path;
@@ -82,7 +91,7 @@ static enum rad_code default_file(struct rad_yaml *y, char **file) {
 
 enum rad_code rad_deck_read_output(struct rad_yaml *y, const struct rad_yaml_node *node,
                                    struct rad_deck *deck) {
-  enum { FILE_NAME, SAMPLING, FIELDS, N };
+  enum { FILE_NAME, SAMPLING, FIELDS, VIEW_FACTORS, N };
   static const struct rad_key key[N] = {
       [FILE_NAME] = {.name = "file",
                      .type = RAD_KEY_TEXT,
@@ -92,6 +101,7 @@ enum rad_code rad_deck_read_output(struct rad_yaml *y, const struct rad_yaml_nod
                     .offset = offsetof(struct rad_deck_output, sampling),
                     .range = {1, 64, false}},
       [FIELDS] = {.name = "fields"},
+      [VIEW_FACTORS] = {.name = "view_factors"},
   };
   deck->output.sampling = 4;
   deck->output.fields = RAD_FIELD_RADIOSITY | RAD_FIELD_IRRADIANCE;
@@ -100,6 +110,8 @@ enum rad_code rad_deck_read_output(struct rad_yaml *y, const struct rad_yaml_nod
       node ? rad_read_map(y, node, "section 'output'", N, key, &deck->output, seen) : RAD_OK;
   if (!code && seen[FIELDS])
     code = read_fields(y, seen[FIELDS], &deck->output.fields);
+  if (!code && seen[VIEW_FACTORS])
+    code = read_bool(y, seen[VIEW_FACTORS], "view_factors", &deck->output.view_factors);
   if (!code && !deck->output.file)
     code = default_file(y, &deck->output.file);
   return code;

@@ -3,10 +3,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/number.h"
 #include "base/text.h"
 #include "scene/deck_read.h"
 
-enum { MAX_WORD = 40, MAX_NUMBER = 128 };
+enum { MAX_WORD = 40 };
 
 void rad_suggest(const char *word, const char *const *list, char *out, size_t size) {
   size_t length = strlen(word);
@@ -56,41 +57,9 @@ static enum rad_code fail_number(struct rad_yaml *y, const struct rad_yaml_node 
   return rad_fail_value(y, node, key, want);
 }
 
-static const char *skip_digits(const char *s, int *n) {
-  for (; *s >= '0' && *s <= '9'; s++)
-    ++*n;
-  return s;
-}
-
-/* Decimal numbers only (strtod would take 0x10, inf and nan), with exponent e or Fortran's d. */
-static bool parse_number(const char *text, double *value) {
-  const char *s = text;
-  int digits = 0, exponent_digits = 0;
-  s += *s == '+' || *s == '-';
-  s = skip_digits(s, &digits);
-  if (*s == '.')
-    s = skip_digits(s + 1, &digits);
-  char copy[MAX_NUMBER];
-  size_t length = strlen(text), mark = (size_t)(s - text);
-  if (digits == 0 || length >= sizeof copy)
-    return false;
-  memcpy(copy, text, length + 1);
-  if (*s && strchr("eEdD", *s)) {
-    copy[mark] = 'e';
-    s += 1 + (s[1] == '+' || s[1] == '-');
-    s = skip_digits(s, &exponent_digits);
-    if (exponent_digits == 0)
-      return false;
-  }
-  if (*s)
-    return false;
-  char *end;
-  *value = strtod(copy, &end);
-  return end == copy + length && isfinite(*value);
-}
-
 static bool is_number(const struct rad_yaml_node *node, struct rad_range r, double *value) {
-  if (node->kind != RAD_YAML_SCALAR || !node->plain || !parse_number(node->text, value))
+  if (node->kind != RAD_YAML_SCALAR || !node->plain ||
+      !rad_number_parse(node->text, strlen(node->text), value))
     return false;
   return r.open ? *value > r.lo && *value < r.hi : *value >= r.lo && *value <= r.hi;
 }

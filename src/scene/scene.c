@@ -1,26 +1,30 @@
 #include "scene/scene.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
+#include "base/memory.h"
 #include "base/vec.h"
 #include "scene/check.h"
+#include "scene/obj.h"
+#include "scene/surface.h"
 #include "scene/weld.h"
 
 #define PERPENDICULAR 1e-6 /* sine of the angle between the given and the geometric normal */
 
-/* What lives only while a scene is built. */
+/* What lives only while a scene is built. Its sources are the deck's triangles, then the mesh's. */
 struct builder {
   const struct rad_deck *deck;
   struct rad_scene *scene;
   struct rad_error *e;
   const char *path;
-  int *surface; /* owned [deck->n_triangle] surface number of each deck triangle */
-  int *entry;   /* owned [scene->n_surface] its place in deck->surface, or -1 */
-  int *number;  /* owned [scene->n_triangle] deck triangle, from 1 */
+  char *mesh_path; /* owned, NULL without a mesh */
+  struct rad_obj obj;
+  int n_source;
+  int *surface; /* owned [deck->n_triangle + obj.n_part] surface of each name */
+  int *entry;   /* owned, the same length; [n_surface] its place in deck->surface, or -1 */
+  int *number;  /* owned [scene->n_triangle] source, from 1 */
   struct rad_checked checked;
 };
 
@@ -28,146 +32,112 @@ static enum rad_code out_of_memory(struct builder *b, double bytes) {
   return rad_fail_memory(b->e, "the scene", bytes);
 }
 
+/* The mesh file beside the deck, unless its name starts at the root. */
+static enum rad_code read_mesh(struct builder *b, struct rad_notes *notes) {
+  const char *file = b->deck->mesh_file, *slash = strrchr(b->path, '/');
+  if (!file)
+    return RAD_OK;
+  size_t n_folder = *file != '/' && slash ? (size_t)(slash - b->path) + 1 : 0;
+  b->mesh_path = calloc(n_folder + strlen(file) + 1, 1);
+  if (!b->mesh_path)
+    return out_of_memory(b, 1000);
+  memcpy(b->mesh_path, b->path, n_folder);
+  strcpy(b->mesh_path + n_folder, file);
+  return rad_obj_read(b->mesh_path, &b->obj, notes, b->e);
+}
+
 static enum rad_code refuse_empty(struct builder *b) {
-  if (b->deck->mesh_file)
+  b->n_source = b->deck->n_triangle + b->obj.n_triangle;
+  if (b->n_source < 1)
     return rad_fail(b->e, RAD_EINPUT,
-                    "%s: error: reading scene.mesh from OBJ is not available in this version; "
-                    "give scene.triangles",
-                    b->path);
-  if (b->deck->n_triangle < 1)
-    return rad_fail(b->e, RAD_EINPUT, "%s: error: the scene is empty; give scene.triangles",
-                    b->path);
-  return RAD_OK;
-}
-
-struct named {
-  const char *name;
-  int at;
-};
-
-static int compare_names(const void *a, const void *b) {
-  const struct named *p = a, *q = b;
-  int order = strcmp(p->name, q->name);
-  return order ? order : (p->at > q->at) - (p->at < q->at);
-}
-
-/* The first of the n sorted entries with this name, or NULL. */
-static const struct named *find_name(const struct named *sorted, int n, const char *name) {
-  int low = 0, high = n;
-  while (low < high) {
-    int middle = low + (high - low) / 2;
-    if (strcmp(sorted[middle].name, name) < 0)
-      low = middle + 1;
-    else
-      high = middle;
-  }
-  return low < n && !strcmp(sorted[low].name, name) ? &sorted[low] : NULL;
-}
-
-static enum rad_code fail_unused(struct builder *b, const struct rad_deck_surface *unused) {
-  const char *nearest = b->scene->surface_name[0];
-  for (int s = 1; s < b->scene->n_surface; s++)
-    if (rad_edit_distance(unused->name, b->scene->surface_name[s], false) <
-        rad_edit_distance(unused->name, nearest, false))
-      nearest = b->scene->surface_name[s];
-  char line[16] = "";
-  if (unused->line > 0)
-    snprintf(line, sizeof line, ":%d", unused->line);
-  return rad_fail(b->e, RAD_EINPUT,
-                  "%s%s: error: scene.surfaces.%s: no triangle has this name; did you mean '%s'? "
-                  "rename or remove it",
-                  b->path, line, unused->name, nearest);
-}
-
-/* Number the surfaces in the order of their first triangles. */
-static enum rad_code number_surfaces(struct builder *b, const struct named *sorted) {
-  const struct rad_deck *deck = b->deck;
-  struct rad_scene *scene = b->scene;
-  for (int k = 0, first = 0; k < deck->n_triangle; k++) {
-    first = strcmp(sorted[k].name, sorted[first].name) ? k : first;
-    b->surface[sorted[k].at] = sorted[first].at; /* the group's first triangle, for now */
-  }
-  for (int t = 0; t < deck->n_triangle; t++) {
-    if (b->surface[t] != t) {
-      b->surface[t] = b->surface[b->surface[t]];
-      continue;
-    }
-    char *name = strdup(deck->triangle[t].name);
-    if (!name)
-      return out_of_memory(b, 100);
-    b->entry[scene->n_surface] = -1;
-    scene->surface_name[scene->n_surface] = name;
-    b->surface[t] = scene->n_surface++;
-  }
-  for (int s = 0; s < deck->n_surface; s++) {
-    const struct named *used = find_name(sorted, deck->n_triangle, deck->surface[s].name);
-    if (!used)
-      return fail_unused(b, &deck->surface[s]);
-    b->entry[b->surface[used->at]] = s;
-  }
+                    "%s: error: the scene is empty; give scene.triangles or scene.mesh", b->path);
   return RAD_OK;
 }
 
 static enum rad_code find_surfaces(struct builder *b) {
-  size_t n = (size_t)b->deck->n_triangle;
-  struct named *sorted = calloc(n, sizeof *sorted);
-  b->surface = calloc(n, sizeof *b->surface);
-  b->entry = calloc(n, sizeof *b->entry);
-  b->scene->surface_name = calloc(n, sizeof *b->scene->surface_name);
+  int n_deck = b->deck->n_triangle, n = n_deck + b->obj.n_part;
+  const char **name = rad_alloc((size_t)n, sizeof *name);
+  b->surface = rad_calloc((size_t)n, sizeof *b->surface);
+  b->entry = rad_calloc((size_t)n, sizeof *b->entry);
   enum rad_code code = RAD_OK;
-  if (!sorted || !b->surface || !b->entry || !b->scene->surface_name)
-    code = out_of_memory(b, (double)n * 32);
-  if (!code) {
-    for (size_t t = 0; t < n; t++)
-      sorted[t] = (struct named){b->deck->triangle[t].name, (int)t};
-    qsort(sorted, n, sizeof *sorted, compare_names);
-    code = number_surfaces(b, sorted);
-  }
-  free(sorted);
+  if (!name || !b->surface || !b->entry)
+    code = out_of_memory(b, 16.0 * n);
+  for (int k = 0; k < n && !code; k++)
+    name[k] = k < n_deck ? b->deck->triangle[k].name : b->obj.part_name[k - n_deck];
+  if (!code)
+    code = rad_surfaces_number(b->deck, b->path, n, name, b->scene, b->surface, b->entry, b->e);
+  free(name);
   return code;
 }
 
-/* The optics of deck triangle t's surface, or NULL. */
-static const struct rad_deck_optics *surface_optics(const struct builder *b, int t) {
-  int entry = b->entry[b->surface[t]];
+/* The deck's triangle that is source k, or NULL. */
+static const struct rad_deck_triangle *in_deck(const struct builder *b, int k) {
+  return k < b->deck->n_triangle ? &b->deck->triangle[k] : NULL;
+}
+
+static const struct rad_obj_triangle *in_mesh(const struct builder *b, int k) {
+  return &b->obj.triangle[k - b->deck->n_triangle];
+}
+
+static int surface_of(const struct builder *b, int k) {
+  return b->surface[in_deck(b, k) ? k : b->deck->n_triangle + in_mesh(b, k)->part];
+}
+
+/* The optics of source k's own; a triangle of the mesh has none. */
+static const struct rad_deck_optics *own_optics(const struct builder *b, int k) {
+  static const struct rad_deck_optics none = {0};
+  return in_deck(b, k) ? &in_deck(b, k)->optics : &none;
+}
+
+/* The optics of source k's surface, or NULL. */
+static const struct rad_deck_optics *surface_optics(const struct builder *b, int k) {
+  int entry = b->entry[surface_of(b, k)];
   return entry < 0 ? NULL : &b->deck->surface[entry].optics;
 }
 
-/* The optics that decide the side of deck triangle t: its own before its surface's. */
-static const struct rad_deck_optics *side_optics(const struct builder *b, int t) {
-  const struct rad_deck_optics *own = &b->deck->triangle[t].optics, *shared = surface_optics(b, t);
+/* The optics that decide the side of source k: its own before its surface's. */
+static const struct rad_deck_optics *side_optics(const struct builder *b, int k) {
+  const struct rad_deck_optics *own = own_optics(b, k), *shared = surface_optics(b, k);
   return own->side == RAD_SIDE_UNSET && shared ? shared : own;
 }
 
 static void copy_triangle(struct builder *b, int from, int to) {
-  const struct rad_deck_triangle *deck = &b->deck->triangle[from];
+  const struct rad_deck_triangle *deck = in_deck(b, from);
   struct rad_triangle *t = &b->scene->triangle[to];
+  t->surface = surface_of(b, from);
+  b->number[to] = from + 1;
+  if (!deck) {
+    const struct rad_obj_triangle *mesh = in_mesh(b, from);
+    for (int m = 0; m < 9; m++)
+      t->v[m / 3][m % 3] = b->deck->mesh_scale * b->obj.vertex[mesh->vertex[m / 3]][m % 3];
+    t->line = mesh->line;
+    return;
+  }
   memcpy(t->v, deck->vertex, sizeof t->v);
   memcpy(t->grading, deck->grading, sizeof t->grading);
   memcpy(t->elements, deck->elements, sizeof t->elements);
   t->n_grading = deck->n_grading;
   t->n_elements = deck->n_elements;
-  t->surface = b->surface[from];
   t->line = deck->line;
-  b->number[to] = from + 1;
 }
 
-/* Scene triangles in deck order; `side: both` makes the front and, next to it, the back. */
+/* Scene triangles in the order of the sources; `side: both` makes the front and, next to it, the
+ * back. */
 static enum rad_code make_triangles(struct builder *b) {
   struct rad_scene *scene = b->scene;
-  int n = b->deck->n_triangle, n_twin = 0;
-  for (int t = 0; t < n; t++)
-    n_twin += side_optics(b, t)->side == RAD_SIDE_BOTH;
+  int n = b->n_source, n_twin = 0;
+  for (int k = 0; k < n; k++)
+    n_twin += side_optics(b, k)->side == RAD_SIDE_BOTH;
   scene->triangle = calloc((size_t)n + (size_t)n_twin, sizeof *scene->triangle);
   b->number = calloc((size_t)n + (size_t)n_twin, sizeof *b->number);
   if (!scene->triangle || !b->number)
     return out_of_memory(b, ((double)n + n_twin) * sizeof *scene->triangle);
-  for (int t = 0; t < n; t++) {
-    copy_triangle(b, t, scene->n_triangle++);
-    if (side_optics(b, t)->side == RAD_SIDE_BOTH)
-      copy_triangle(b, t, scene->n_triangle++);
+  for (int k = 0; k < n; k++) {
+    copy_triangle(b, k, scene->n_triangle++);
+    if (side_optics(b, k)->side == RAD_SIDE_BOTH)
+      copy_triangle(b, k, scene->n_triangle++);
   }
-  b->checked = (struct rad_checked){scene, b->path, b->number};
+  b->checked = (struct rad_checked){scene, b->path, b->mesh_path, b->deck->n_triangle, b->number};
   return RAD_OK;
 }
 
@@ -190,14 +160,18 @@ static enum rad_code set_optics(struct builder *b) {
     return out_of_memory(b, 32.0 * (double)(n * n_band));
   for (int t = 0; t < scene->n_triangle; t++) {
     int from = b->number[t] - 1;
-    const struct rad_deck_optics *own = &b->deck->triangle[from].optics;
+    const struct rad_deck_optics *own = own_optics(b, from);
     const struct rad_deck_optics *shared = surface_optics(b, from);
     const struct rad_deck_optics *rho = own->has_rho || !shared ? own : shared;
     const struct rad_deck_optics *emission = own->has_emission || !shared ? own : shared;
     if (!rho->has_rho || !emission->has_emission) {
       const char *what = rho->has_rho ? "emission" : "rho";
-      return rad_check_fail(&b->checked, t, b->e, "no %s; give %s here or in scene.surfaces.%s",
-                            what, what, scene->surface_name[scene->triangle[t].surface]);
+      const char *name = scene->surface_name[scene->triangle[t].surface];
+      if (in_deck(b, from))
+        return rad_check_fail(&b->checked, t, b->e, "no %s; give %s here or in scene.surfaces.%s",
+                              what, what, name);
+      return rad_check_fail(&b->checked, t, b->e, "no %s; give scene.surfaces.%s.%s in %s", what,
+                            name, what, b->path);
     }
     memcpy(scene->rho + (size_t)t * n_band, rho->rho, n_band * sizeof *scene->rho);
     for (size_t m = 0; m < 3; m++)
@@ -277,7 +251,8 @@ static enum rad_code turn_normals(struct builder *b) {
 }
 
 static enum rad_code build(struct builder *b, struct rad_notes *notes) {
-  enum rad_code code = refuse_empty(b);
+  enum rad_code code = read_mesh(b, notes);
+  code = code ? code : refuse_empty(b);
   code = code ? code : find_surfaces(b);
   code = code ? code : make_triangles(b);
   code = code ? code : copy_bands(b);
@@ -298,6 +273,8 @@ enum rad_code rad_scene_build(const struct rad_deck *deck, struct rad_scene *sce
   struct builder b = {
       .deck = deck, .scene = scene, .e = e, .path = deck->path ? deck->path : "scene"};
   enum rad_code code = build(&b, notes);
+  rad_obj_free(&b.obj);
+  free(b.mesh_path);
   free(b.surface);
   free(b.entry);
   free(b.number);

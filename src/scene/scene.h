@@ -15,8 +15,10 @@ struct rad_triangle {
   int n_grading, n_elements; /* as in the deck; 0 when not given */
   double grading[6];
   int elements[6];
-  int line; /* in the deck, 0 if none */
+  int line; /* in the deck, or in the mesh file for triangles from there; 0 if none */
 };
+
+struct rad_visibility;
 
 struct rad_scene {
   int n_triangle, n_vertex, n_surface, n_band;
@@ -27,11 +29,14 @@ struct rad_scene {
   double *rho;                   /* owned [n_triangle, n_band] reflectivity */
   double *emission;              /* owned [n_triangle, 3, n_band] E at the vertices [W/m2] */
   double size;                   /* diameter of the bounding box [m] */
+  const struct rad_visibility *visibility; /* borrowed; NULL: shadows were not looked for */
 };
 
 /**
- * Build the scene of a deck and check it.
+ * Build the scene of a deck and check it; a mesh file is read here, from the deck's folder.
  *
+ * The deck's triangles come first, then those of the mesh, whose optics are those of
+ * scene.surfaces and whose coordinates are scaled by scene.mesh.scale.
  * Vertices closer than 1e-10 of the scene's size are one vertex. `side: both` makes two triangles,
  * back to back, with consecutive numbers, the front first; a side that is not given is the front.
  * Normals are the geometric ones, also where the deck gives one. Refused: a degenerate triangle,
@@ -42,8 +47,8 @@ struct rad_scene {
  *
  * @param[out] scene  to be freed with rad_scene_free, also after an error
  * @param[out] notes  warnings are appended
- * @return RAD_OK, RAD_EINPUT with the deck's path and, if it has one, line; RAD_ESYSTEM without
- * memory
+ * @return RAD_OK, RAD_EINPUT with the path of the deck or mesh and, if there is one, the line;
+ *         RAD_ESYSTEM without memory, or if the mesh cannot be read. Cost n log n
  */
 enum rad_code rad_scene_build(const struct rad_deck *deck, struct rad_scene *scene,
                               struct rad_notes *notes, struct rad_error *e);

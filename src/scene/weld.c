@@ -27,7 +27,7 @@ static enum rad_code measure(struct rad_scene *scene, const char *path, double l
   if (scene->size >= SMALLEST_SIZE && scene->size <= LARGEST_SIZE)
     return RAD_OK;
   return rad_fail(e, RAD_EINPUT,
-                  "%s: error: the bounding box of scene.triangles has diameter %g; give lengths "
+                  "%s: error: the bounding box of the scene has diameter %g; give lengths "
                   "in a unit that makes it %g to %g",
                   path, scene->size, SMALLEST_SIZE, LARGEST_SIZE);
 }

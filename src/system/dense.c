@@ -1,25 +1,21 @@
 #include "system/dense.h"
 
+#include <assert.h>
 #include <omp.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/memory.h"
 #include "base/simd_math.h"
+#include "system/facets.h"
+#include "visibility/visibility.h"
+
+enum { GROUP = 512 }; /* rows of a product at once; 4 kB of a column */
 
 /* A batch of targets on one triangle against one source patch. */
 struct task {
   int triangle, first, n, patch;
 };
-
-unsigned char *rad_sees(const struct rad_scene *scene) {
-  size_t n = (size_t)scene->n_triangle;
-  unsigned char *sees = rad_calloc(n * n, 1);
-  for (size_t i = 0; sees && i < n; i++)
-    for (size_t j = 0; j < i; j++)
-      sees[i * n + j] = sees[j * n + i] = !rad_block_is_zero(scene, (int)i, (int)j);
-  return sees;
-}
 
 /* Elements and points by what a reuse says of them. */
 struct origins {
@@ -118,9 +114,31 @@ static void add_counters(struct rad_dense *dense, const struct rad_scratch *scra
   dense->counters.far += scratch->counters.far;
 }
 
+/* The blocks of any mesh, with what an old matrix has of them. */
+static enum rad_code run_blocks(struct rad_dense *dense, const struct rad_rules *rules,
+                                const struct rad_reuse *reuse, struct rad_scratch *scratch,
+                                struct rad_error *e) {
+  const unsigned char *passive = reuse ? reuse->passive : NULL;
+  struct origins o;
+  enum rad_code code = set_origins(dense->mesh, reuse, &o, e);
+  int64_t n_task = list_tasks(dense, passive, NULL);
+  struct task *task = rad_alloc((size_t)n_task, sizeof *task);
+  if (!code && !task)
+    code = rad_fail_memory(e, "the list of blocks", (double)n_task * sizeof *task);
+  if (!code) {
+    list_tasks(dense, passive, task);
+#pragma omp parallel for schedule(dynamic) default(none)                                           \
+    shared(dense, rules, o, task, n_task, scratch)
+    for (int64_t i = 0; i < n_task; i++)
+      run_task(dense, rules, &task[i], &o, &scratch[omp_get_thread_num()]);
+  }
+  free(task);
+  free_origins(&o);
+  return code;
+}
+
 static enum rad_code run_all(struct rad_dense *dense, const struct rad_rules *rules,
-                             const struct origins *o, const struct task *task, int64_t n_task,
-                             struct rad_error *e) {
+                             const struct rad_reuse *reuse, struct rad_error *e) {
   int n_thread = omp_get_max_threads();
   struct rad_scratch *scratch = rad_calloc((size_t)n_thread, sizeof *scratch);
   if (!scratch)
@@ -128,13 +146,13 @@ static enum rad_code run_all(struct rad_dense *dense, const struct rad_rules *ru
   enum rad_code code = RAD_OK;
   for (int t = 0; t < n_thread && !code; t++)
     code = rad_scratch_init(dense->mesh, &scratch[t], e);
-  if (!code) {
-#pragma omp parallel for schedule(dynamic) default(none)                                           \
-    shared(dense, rules, o, task, n_task, scratch)
-    for (int64_t i = 0; i < n_task; i++)
-      run_task(dense, rules, &task[i], o, &scratch[omp_get_thread_num()]);
-  }
+  if (!code && !reuse && rad_mesh_is_facets(dense->mesh))
+    code = rad_facets_assemble(dense->mesh, rules, dense->sees, dense->k, scratch, e);
+  else if (!code)
+    code = run_blocks(dense, rules, reuse, scratch, e);
   for (int t = 0; t < n_thread; t++) {
+    if (!code && scratch[t].shade.failed)
+      code = rad_fail_memory(e, "the shadows", 0);
     add_counters(dense, &scratch[t]);
     rad_scratch_free(&scratch[t]);
   }
@@ -147,42 +165,75 @@ static int64_t count_skipped(const struct rad_dense *dense, const unsigned char 
   const struct rad_mesh *m = dense->mesh;
   int n = m->scene->n_triangle;
   int64_t skipped = 0;
-  for (int i = 0; i < n; i++)
+  for (int i = 0; i < n; i++) {
+    const unsigned char *sees = dense->sees + (size_t)i * n;
+    int64_t elements = 0;
     for (int j = 0; j < n; j++)
-      if (!dense->sees[(size_t)i * n + j] || (passive && passive[i]))
-        skipped += (int64_t)(m->point_first[i + 1] - m->point_first[i]) *
-                   (m->element_first[m->patch_first[j + 1]] - m->element_first[m->patch_first[j]]);
+      if (!sees[j] || (passive && passive[i]))
+        elements += m->element_first[m->patch_first[j + 1]] - m->element_first[m->patch_first[j]];
+    skipped += elements * (m->point_first[i + 1] - m->point_first[i]);
+  }
   return skipped;
+}
+
+/* Whole small triangles, or parts of large ones, of at most GROUP rows that products take at once.
+ * With lists NULL only their number. */
+static int list_groups(const struct rad_mesh *mesh, struct rad_row_group *group) {
+  const int *first = mesh->point_first;
+  int n = 0;
+  for (int t = 0, end; t < mesh->scene->n_triangle; t = end) {
+    end = t + 1;
+    while (end < mesh->scene->n_triangle && first[end + 1] - first[t] <= GROUP)
+      end++;
+    for (int row = first[t]; row < first[end]; row += GROUP, n++)
+      if (group)
+        group[n] = (struct rad_row_group){
+            t, end, row, first[end] - row < GROUP ? first[end] - row : GROUP, NULL};
+  }
+  return n;
+}
+
+/* Which triangles the rows of each group see. */
+static enum rad_code set_groups(struct rad_dense *dense, struct rad_error *e) {
+  size_t n_triangle = (size_t)dense->mesh->scene->n_triangle;
+  dense->n_group = list_groups(dense->mesh, NULL);
+  dense->group = rad_alloc((size_t)dense->n_group, sizeof *dense->group);
+  dense->group_sees = rad_calloc((size_t)dense->n_group * n_triangle, 1);
+  if (!dense->group || !dense->group_sees)
+    return rad_fail_memory(e, "the groups of rows", (double)dense->n_group * (double)n_triangle);
+  list_groups(dense->mesh, dense->group);
+  for (int g = 0; g < dense->n_group; g++) {
+    struct rad_row_group *group = &dense->group[g];
+    unsigned char *sees = dense->group_sees + n_triangle * (size_t)g;
+    for (int t = group->triangle; t < group->triangle_end; t++)
+      for (size_t j = 0; j < n_triangle; j++)
+        sees[j] |= dense->sees[n_triangle * (size_t)t + j] != 0;
+    group->sees = sees;
+  }
+  return RAD_OK;
 }
 
 enum rad_code rad_dense_assemble(const struct rad_mesh *mesh, const struct rad_rules *rules,
                                  const struct rad_reuse *reuse, struct rad_dense *dense,
                                  struct rad_error *e) {
   size_t n = (size_t)mesh->n_point;
-  const unsigned char *passive = reuse ? reuse->passive : NULL;
-  *dense = (struct rad_dense){.mesh = mesh, .n = mesh->n_point, .sees = rad_sees(mesh->scene)};
+  assert(mesh->scene->visibility);
+  *dense =
+      (struct rad_dense){.mesh = mesh, .n = mesh->n_point, .sees = mesh->scene->visibility->sight};
   dense->k = rad_pages_alloc(n * n * sizeof(double));
-  if (!dense->k || !dense->sees)
+  if (!dense->k)
     return rad_fail_memory(e, "the matrix", 8.0 * (double)n * (double)n);
-  struct origins origins;
-  enum rad_code code = set_origins(mesh, reuse, &origins, e);
-  int64_t n_task = list_tasks(dense, passive, NULL);
-  struct task *task = rad_alloc((size_t)n_task, sizeof *task);
-  if (!code && !task)
-    code = rad_fail_memory(e, "the list of blocks", (double)n_task * sizeof *task);
-  if (!code) {
-    list_tasks(dense, passive, task);
-    code = run_all(dense, rules, &origins, task, n_task, e);
-  }
-  free(task);
-  free_origins(&origins);
-  dense->pairs_skipped = count_skipped(dense, passive);
+  enum rad_code code = set_groups(dense, e);
+  if (!code)
+    code = run_all(dense, rules, reuse, e);
+  dense->pairs_skipped = count_skipped(dense, reuse ? reuse->passive : NULL);
   return code;
 }
 
 void rad_dense_free(struct rad_dense *dense) {
   rad_pages_free(dense->k, (size_t)dense->n * (size_t)dense->n * sizeof(double));
-  free(dense->sees);
+  free(dense->group);
+  free(dense->group_sees);
   *dense = (struct rad_dense){0};
 }
 
@@ -196,18 +247,20 @@ static inline void add_columns(const double *restrict k, size_t ld, int m, const
     y[r] += (k0[r] * u0 + k1[r] * u1) + (k2[r] * u2 + k3[r] * u3);
 }
 
-/* Rows first..first+m of triangle i: y = K u over the triangles that i sees. */
-static RAD_CLONES void apply_rows(const struct rad_dense *dense, int i, int first, int m,
-                                  int n_vector, const double *const *u, double *const *y) {
-  const struct rad_mesh *mesh = dense->mesh;
-  int n_triangle = mesh->scene->n_triangle;
+/* y = K u for the rows of a group, over the triangles that it sees. */
+static RAD_CLONES void apply_group(const struct rad_dense *dense, const struct rad_row_group *group,
+                                   int n_vector, const double *const *u, double *const *y) {
+  const int *point_first = dense->mesh->point_first;
+  int n_triangle = dense->mesh->scene->n_triangle, first = group->first, m = group->n;
   size_t ld = (size_t)dense->n;
   for (int v = 0; v < n_vector; v++)
     memset(y[v] + first, 0, sizeof(double) * (size_t)m);
-  for (int j = 0; j < n_triangle; j++) {
-    if (!dense->sees[(size_t)i * n_triangle + j])
+  for (int j = 0, next; j < n_triangle; j = next) {
+    for (next = j + 1; next < n_triangle && group->sees[next] == group->sees[j];)
+      next++;
+    if (!group->sees[j])
       continue;
-    int c = mesh->point_first[j], end = mesh->point_first[j + 1];
+    int c = point_first[j], end = point_first[next];
     for (; c + 4 <= end; c += 4)
       for (int v = 0; v < n_vector; v++)
         add_columns(dense->k + ld * c + first, ld, m, u[v] + c, y[v] + first);
@@ -220,14 +273,7 @@ static RAD_CLONES void apply_rows(const struct rad_dense *dense, int i, int firs
 
 void rad_dense_apply(const struct rad_dense *dense, int n_vector, const double *const *u,
                      double *const *y) {
-  enum { ROWS = 512 };
-  const struct rad_mesh *mesh = dense->mesh;
-  int n_triangle = mesh->scene->n_triangle;
-#pragma omp parallel default(none) shared(dense, mesh, n_vector, u, y, n_triangle)
-  for (int i = 0; i < n_triangle; i++) {
-    int end = mesh->point_first[i + 1];
-#pragma omp for schedule(dynamic) nowait
-    for (int first = mesh->point_first[i]; first < end; first += ROWS)
-      apply_rows(dense, i, first, end - first < ROWS ? end - first : ROWS, n_vector, u, y);
-  }
+#pragma omp parallel for schedule(dynamic) default(none) shared(dense, n_vector, u, y)
+  for (int g = 0; g < dense->n_group; g++)
+    apply_group(dense, &dense->group[g], n_vector, u, y);
 }

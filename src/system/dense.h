@@ -6,6 +6,12 @@
 
 #include "integrate/element.h"
 
+/* Rows that a product takes at once: whole triangles, or a part of one. */
+struct rad_row_group {
+  int triangle, triangle_end, first, n;
+  const unsigned char *sees; /* [n_triangle] nonzero if one of these rows may be */
+};
+
 /**
  * K[i + n j] = int G(x_i, y) L_j(y) dS, geometry only: the system is (I - diag(rho) K) u = E, so
  * one matrix serves every band (theory 5.1). Blocks of triangles that do not see each other are
@@ -14,8 +20,11 @@
 struct rad_dense {
   const struct rad_mesh *mesh; /* borrowed */
   int n;
-  double *k;           /* owned [n, n] column-major [-] */
-  unsigned char *sees; /* owned [n_triangle, n_triangle] 1 if the block may be nonzero */
+  double *k;                 /* owned [n, n] column-major [-] */
+  const unsigned char *sees; /* borrowed [n_triangle, n_triangle] of the scene's visibility */
+  int n_group;
+  struct rad_row_group *group; /* owned [n_group] for products */
+  unsigned char *group_sees;   /* owned [n_group, n_triangle] */
   struct rad_counters counters;
   int64_t pairs_skipped; /* pairs of a point and an element that see nothing of each other */
 };
@@ -28,8 +37,9 @@ struct rad_reuse {
 };
 
 /**
- * Assemble in parallel. A task is a batch of points of one triangle against one patch; every entry
- * has one writer, so the result is bit-identical for any number of threads.
+ * Assemble in parallel. The scene knows its visibility (rad_visibility_build). A task is a batch of
+ * points of one triangle against one patch; every entry has one writer, so the result is
+ * bit-identical for any number of threads.
  *
  * @param[in]  reuse  or NULL
  * @param[out] dense  to be freed with rad_dense_free, also after an error
@@ -50,8 +60,5 @@ enum { RAD_MAX_PRODUCT = 8 };
  */
 void rad_dense_apply(const struct rad_dense *dense, int n_vector, const double *const *u,
                      double *const *y);
-
-/* Which triangles see each other: [n_triangle, n_triangle], owned by the caller, or NULL. */
-unsigned char *rad_sees(const struct rad_scene *scene);
 
 #endif

@@ -24,8 +24,10 @@ double rad_solver_bytes(enum rad_solver used, double n, int n_band) {
 static double max_abs(int n, const double *x) {
   double most = 0;
   for (int i = 0; i < n; i++)
-    if (!(fabs(x[i]) <= most)) /* a NaN stays */
-      most = fabs(x[i]);
+    if (isnan(x[i]))
+      return NAN;
+    else
+      most = fmax(most, fabs(x[i]));
   return most;
 }
 
@@ -165,9 +167,11 @@ enum rad_code rad_solve(const struct rad_dense *dense, const struct rad_solve_op
   }
   if (!code) {
     code = dispatch(dense, options, part, n_band, band, work, work + n, report, e);
-    for (int b = 0; b < n_band; b++)
-      report->residual = fmax(report->residual, rad_residual(dense, band[b].rho, band[b].emission,
-                                                             band[b].u, h + (size_t)b * n, work));
+    for (int b = 0; b < n_band && !isnan(report->residual); b++) {
+      double r =
+          rad_residual(dense, band[b].rho, band[b].emission, band[b].u, h + (size_t)b * n, work);
+      report->residual = isnan(r) ? NAN : fmax(report->residual, r);
+    }
     if (!code && !isfinite(report->residual))
       code =
           rad_fail(e, RAD_ENUMERIC,

@@ -12,12 +12,14 @@ enum rad_side_of_plane {
 };
 
 /**
- * Side of the plane of i on which j lies. Not symmetric.
+ * Heights n_i.(y - v) [m] of the vertices y of j above the plane of i.
  *
- * Vertices shared with i lie in its plane exactly; others are classified by the sign of n_i.(y -
- * v), where values below 1e-12 of the larger triangle's extent, or of |y - v| if that is more,
- * count as zero.
+ * Zero for vertices shared with i, and below 1e-12 of the larger triangle's extent, or of |y - v|
+ * if that is more.
  */
+void rad_heights(const struct rad_triangle *i, const struct rad_triangle *j, double h[3]);
+
+/* Side of the plane of i on which j lies, by the signs of rad_heights. Not symmetric. */
 enum rad_side_of_plane rad_side_of(const struct rad_triangle *i, const struct rad_triangle *j);
 
 /* True if some point of i and some point of j are in front of each other. Symmetric. */

@@ -13,6 +13,7 @@
 #include "base/memory.h"
 #include "surface_s1.h"
 #include "system/dense.h"
+#include "visibility/visibility.h"
 
 static int ascending(const void *a, const void *b) {
   double x = *(const double *)a, y = *(const double *)b;
@@ -65,7 +66,10 @@ int main(int argc, char **argv) {
   struct rad_rules rules;
   struct rad_dense dense;
   struct rad_error e;
+  struct rad_visibility visibility;
   make_s1(tri, &scene);
+  if (rad_visibility_build(&scene, &visibility, &e))
+    return 1;
   struct rad_deck_method m = {.elements = n, .grading = 1, .degree = 1};
   if (rad_mesh_build(&scene, &m, &mesh, &e) || rad_rules_build(&mesh, tolerance, &rules, &e))
     return 1;

@@ -1,27 +1,171 @@
-/* View factors with closed forms: a black source with E = 1, the mean irradiance of the target. */
+/* The matrix of view factors: closed forms, closed scenes, reciprocity, estimates, limits. */
 #include <check.h>
 #include <math.h>
+#include <omp.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
+#include "estimate/view_cell.h"
+#include "estimate/view_factors.h"
 #include "scene_text.h"
 #include "suite.h"
 
-/* Graded: the irradiance has no Taylor series at edges that touch the source. Two elements a
- * direction where it changes within a tenth of the target. */
-static const char method[] =
-    "method: {mesh: graded, grading: 3, degree: 13, elements: %d, "
-    "quadrature_tolerance: 1e-12}\n";
+/* Closed forms are known to 1e-14. */
+#define TOLERANCE 1e-9
 
-static double factor(int elements, const double (*target)[3], int n_target,
-                     const double (*source)[3], int n_source) {
-  struct deck_text *d = malloc(sizeof *d);
+static void hold(const char *name, double f, double exact) {
+  if (getenv("POLYRAD_TEST_VERBOSE"))
+    printf("%-40s %.15f exact %.15f difference %.1e\n", name, f, exact, f - exact);
+  ck_assert_msg(fabs(f - exact) <= TOLERANCE, "%s: %.15f, exact %.15f, difference %g", name, f,
+                exact, f - exact);
+}
+
+/* What every matrix fulfils that met its tolerance. */
+static void hold_matrix(const struct rad_view_factors *f) {
+  ck_assert_msg(f->converged && !f->reason[0], "%s", f->reason);
+  ck_assert(f->worst_error <= f->tolerance);
+  ck_assert_msg(f->worst_reciprocity <= 2 * f->tolerance, "%g", f->worst_reciprocity);
+  for (int s = 0; s < f->n; s++) {
+    double sum = 0;
+    for (int t = 0; t < f->n; t++) {
+      sum += f->matrix[s * f->n + t];
+      ck_assert(f->matrix[s * f->n + t] >= 0 && f->error[s * f->n + t] <= f->worst_error);
+    }
+    ck_assert(fabs(sum - f->row_sum[s]) <= 1e-14 * f->n);
+  }
+}
+
+static void compute(const struct deck_text *d, double tolerance, double limit,
+                    struct rad_view_factors *f) {
   struct rad_case c;
   struct rad_error e;
+  enum rad_code code = deck_prepare(d, &c, &e);
+  ck_assert_msg(code == RAD_OK, "%s", e.text);
+  code = rad_view_factors(&c.scene, tolerance, limit, f, &e);
+  ck_assert_msg(code == RAD_OK, "%s", e.text);
+  rad_case_free(&c);
+}
+
+static struct deck_text *two_surfaces(const double (*target)[3], int n_target,
+                                      const double (*source)[3], int n_source) {
+  struct deck_text *d = malloc(sizeof *d);
   deck_begin(d);
   deck_polygon(d, "target", n_target, target, 0, 0);
   deck_polygon(d, "source", n_source, source, 0, 1);
-  deck_add(d, method, elements);
+  return d;
+}
+
+static double factor(const double (*target)[3], int n_target, const double (*source)[3],
+                     int n_source) {
+  struct deck_text *d = two_surfaces(target, n_target, source, n_source);
+  struct rad_view_factors f;
+  compute(d, TOLERANCE, 0, &f);
+  hold_matrix(&f);
+  ck_assert(f.n == 2 && f.matrix[0] == 0 && f.matrix[3] == 0);
+  double value = f.matrix[1];
+  rad_view_factors_free(&f);
+  rad_view_factors_free(&f);
+  free(d);
+  return value;
+}
+
+struct pair {
+  double target[4][3], source[4][3];
+};
+
+static double pair_factor(const struct pair *p) {
+  return factor(p->target, 4, p->source, 4);
+}
+
+/* Parallel rectangles a x b at distance 1, the upper one shifted by (s, t). */
+static struct pair parallel(double a, double b, double s, double t) {
+  return (struct pair){{{0, 0, 0}, {a, 0, 0}, {a, b, 0}, {0, b, 0}},
+                       {{s, t, 1}, {s, t + b, 1}, {s + a, t + b, 1}, {s + a, t, 1}}};
+}
+
+static void hold_parallel(const char *name, double a, double b, double s, double t, double exact) {
+  struct pair p = parallel(a, b, s, t);
+  hold(name, pair_factor(&p), exact);
+}
+
+START_TEST(parallel_rectangles) {
+  hold_parallel("parallel_squares_distance_1", 1, 1, 0, 0, 0.1998248956983874);
+  hold_parallel("parallel_2x1_distance_1", 2, 1, 0, 0, 0.2858753848507147);
+  hold_parallel("parallel_0.1", 0.1, 0.1, 0, 0, 0.0031620568387576);
+  hold_parallel("parallel_10", 10, 10, 0, 0, 0.8269945223972566);
+  hold_parallel("parallel_unit_squares_offset_(1,0)", 1, 1, 1, 0, 0.0860504891523273);
+  hold_parallel("parallel_unit_squares_offset_(1,1)", 1, 1, 1, 1, 0.0433274095741047);
+}
+END_TEST
+
+/* Rectangles 1 x w (target) and 1 x h on the common edge y = 0 .. 1 at an angle. */
+static struct pair inclined(double w, double h, double degrees) {
+  double c = degrees == 90 ? 0 : cos(degrees * M_PI / 180), s = sin(degrees * M_PI / 180);
+  return (struct pair){{{0, 0, 0}, {w, 0, 0}, {w, 1, 0}, {0, 1, 0}},
+                       {{0, 0, 0}, {0, 1, 0}, {h * c, 1, h * s}, {h * c, 0, h * s}}};
+}
+
+START_TEST(rectangles_on_an_edge) {
+  static const double degrees[] = {10, 30, 45, 60, 120, 135, 150, 170};
+  static const double exact[] = {0.8496061249628472,  0.6190283230908032,  0.4833476954788778,
+                                 0.3709053211500514,  0.08661500111827607, 0.04830944780181794,
+                                 0.02134532541268937, 0.00236205667876908};
+  struct pair p = inclined(1, 1, 90);
+  hold("perpendicular_unit_squares_common_edge", pair_factor(&p), 0.2000437760754032);
+  p = inclined(0.5, 2, 90);
+  hold("perpendicular_common_edge_H2_W0.5", pair_factor(&p), 0.314601082023923);
+  for (int i = 0; i < 8; i++) {
+    char name[64];
+    snprintf(name, sizeof name, "inclined_unit_squares_common_edge %g", degrees[i]);
+    p = inclined(1, 1, degrees[i]);
+    hold(name, pair_factor(&p), exact[i]);
+  }
+}
+END_TEST
+
+START_TEST(other_shapes) {
+  static const double floor[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  static const double wall[3][3] = {{0, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  hold("right_isosceles_triangles", factor(floor, 3, wall, 3), 0.2113248654051871);
+  static const double square[4][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  static const double upright[4][3] = {{1, 1, 0}, {1, 1, 1}, {1, 2, 1}, {1, 2, 0}};
+  hold("perpendicular_unit_squares_touching_at_a_point", factor(square, 4, upright, 4),
+       0.04059223010155854);
+}
+END_TEST
+
+/* Unit squares at distance 1 with a black square [low, high]^2 half way. Its shadow has kinks at x
+ * = 0.5 and y = 0.5, sides of cells. */
+static double screened(double low, double high) {
+  struct pair p = parallel(1, 1, 0, 0);
+  double screen[4][3] = {{low, low, 0.5}, {high, low, 0.5}, {high, high, 0.5}, {low, high, 0.5}};
+  struct deck_text *d = two_surfaces(p.target, 4, p.source, 4);
+  struct rad_view_factors f;
+  deck_polygon(d, "screen", 4, (const double(*)[3])screen, 0, 0);
+  compute(d, TOLERANCE, 0, &f);
+  hold_matrix(&f);
+  double value = f.matrix[1];
+  rad_view_factors_free(&f);
+  free(d);
+  return value;
+}
+
+START_TEST(occluded) {
+  hold("black square [0.25,0.75]^2 half way between", screened(0.25, 0.75), 0.09950629459898);
+  hold("black square [0,0.5]^2 half way between", screened(0, 0.5), 0.1498686717737905);
+}
+END_TEST
+
+/* Mean irradiance from a black source with E = 1, by collocation on a graded mesh: the irradiance
+ * has no Taylor series at edges that touch the source. */
+static double collocated(const struct pair *p) {
+  struct deck_text *d = two_surfaces(p->target, 4, p->source, 4);
+  struct rad_case c;
+  struct rad_error e;
+  deck_add(d,
+           "method: {mesh: graded, grading: 3, degree: 13, elements: 1, "
+           "quadrature_tolerance: 1e-12}\n");
   enum rad_code code = deck_solve(d, &c, &e);
   ck_assert_msg(code == RAD_OK, "%s", e.text);
   double f = surface_mean(&c, "target", 1);
@@ -30,63 +174,13 @@ static double factor(int elements, const double (*target)[3], int n_target,
   return f;
 }
 
-static void hold(const char *name, double f, double exact) {
-  if (getenv("POLYRAD_TEST_VERBOSE"))
-    printf("%-40s %.15f exact %.15f difference %.1e\n", name, f, exact, f - exact);
-  ck_assert_msg(fabs(f - exact) <= 1e-9, "%s: %.15f, exact %.15f, difference %g", name, f, exact,
-                f - exact);
-}
-
-/* Parallel rectangles a x b at distance 1, the upper one shifted by (s, t). */
-static double parallel(int elements, double a, double b, double s, double t) {
-  double low[4][3] = {{0, 0, 0}, {a, 0, 0}, {a, b, 0}, {0, b, 0}};
-  double high[4][3] = {{s, t, 1}, {s, t + b, 1}, {s + a, t + b, 1}, {s + a, t, 1}};
-  return factor(elements, (const double(*)[3])low, 4, (const double(*)[3])high, 4);
-}
-
-START_TEST(parallel_rectangles) {
-  hold("parallel_squares_distance_1", parallel(1, 1, 1, 0, 0), 0.1998248956983874);
-  hold("parallel_2x1_distance_1", parallel(1, 2, 1, 0, 0), 0.2858753848507147);
-  hold("parallel_0.1", parallel(1, 0.1, 0.1, 0, 0), 0.0031620568387576);
-  hold("parallel_10", parallel(2, 10, 10, 0, 0), 0.8269945223972566);
-  hold("parallel_unit_squares_offset_(1,0)", parallel(1, 1, 1, 1, 0), 0.0860504891523273);
-  hold("parallel_unit_squares_offset_(1,1)", parallel(1, 1, 1, 1, 1), 0.0433274095741047);
-}
-END_TEST
-
-/* Rectangles 1 x w (target) and 1 x h on the common edge y = 0 .. 1 at an angle. */
-static double inclined(int elements, double w, double h, double degrees) {
-  double c = cos(degrees * M_PI / 180), s = sin(degrees * M_PI / 180);
-  if (degrees == 90)
-    c = 0;
-  double low[4][3] = {{0, 0, 0}, {w, 0, 0}, {w, 1, 0}, {0, 1, 0}};
-  double high[4][3] = {{0, 0, 0}, {0, 1, 0}, {h * c, 1, h * s}, {h * c, 0, h * s}};
-  return factor(elements, (const double(*)[3])low, 4, (const double(*)[3])high, 4);
-}
-
-START_TEST(rectangles_on_an_edge) {
-  static const double degrees[] = {10, 30, 45, 60, 120, 135, 150, 170};
-  static const double exact[] = {0.8496061249628472,  0.6190283230908032,  0.4833476954788778,
-                                 0.3709053211500514,  0.08661500111827607, 0.04830944780181794,
-                                 0.02134532541268937, 0.00236205667876908};
-  hold("perpendicular_unit_squares_common_edge", inclined(1, 1, 1, 90), 0.2000437760754032);
-  hold("perpendicular_common_edge_H2_W0.5", inclined(1, 0.5, 2, 90), 0.314601082023923);
-  for (int i = 0; i < 8; i++) {
-    char name[64];
-    snprintf(name, sizeof name, "inclined_unit_squares_common_edge %g", degrees[i]);
-    hold(name, inclined(degrees[i] < 20 ? 2 : 1, 1, 1, degrees[i]), exact[i]);
-  }
-}
-END_TEST
-
-START_TEST(other_shapes) {
-  static const double floor[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  static const double wall[3][3] = {{0, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  hold("right_isosceles_triangles", factor(1, floor, 3, wall, 3), 0.2113248654051871);
-  static const double square[4][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
-  static const double upright[4][3] = {{1, 1, 0}, {1, 1, 1}, {1, 2, 1}, {1, 2, 0}};
-  hold("perpendicular_unit_squares_touching_at_a_point", factor(1, square, 4, upright, 4),
-       0.04059223010155854);
+START_TEST(collocation) {
+  struct pair p = parallel(1, 1, 0, 0);
+  hold("parallel_squares_distance_1", collocated(&p), 0.1998248956983874);
+  p = inclined(1, 1, 90);
+  hold("perpendicular_unit_squares_common_edge", collocated(&p), 0.2000437760754032);
+  p = inclined(1, 1, 135);
+  hold("inclined_unit_squares_common_edge 135", collocated(&p), 0.04830944780181794);
 }
 END_TEST
 
@@ -124,6 +218,201 @@ START_TEST(points) {
 }
 END_TEST
 
+/* ---- closed scenes ---- */
+
+static void hold_closed(const struct deck_text *d, double tolerance, struct rad_view_factors *f) {
+  compute(d, tolerance, 0, f);
+  hold_matrix(f);
+  for (int s = 0; s < f->n; s++)
+    ck_assert_msg(fabs(f->row_sum[s] - 1) <= tolerance, "row %d: 1 + %g", s, f->row_sum[s] - 1);
+}
+
+START_TEST(cube) {
+  struct deck_text *d = malloc(sizeof *d);
+  struct rad_view_factors f;
+  const double zero[6] = {0};
+  deck_begin(d);
+  deck_cube(d, zero, zero);
+  hold_closed(d, TOLERANCE, &f);
+  for (int s = 0; s < 6; s++)
+    for (int t = 0; t < 6; t++)
+      hold("cube", f.matrix[s * 6 + t],
+           s == t           ? 0
+           : s / 2 == t / 2 ? 0.1998248956983874
+                            : 0.2000437760754032);
+  rad_view_factors_free(&f);
+  free(d);
+}
+END_TEST
+
+/* Regular: every face sends a third to every other. */
+START_TEST(tetrahedron) {
+  static const double v[4][3] = {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
+  static const int face[4][3] = {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}};
+  struct deck_text *d = malloc(sizeof *d);
+  struct rad_view_factors f;
+  deck_begin(d);
+  for (int k = 0; k < 4; k++) {
+    double corner[3][3];
+    char name[8];
+    for (int m = 0; m < 3; m++) /* backwards: seen from inside */
+      memcpy(corner[m], v[face[k][2 - m]], sizeof corner[m]);
+    snprintf(name, sizeof name, "f%d", k);
+    deck_polygon(d, name, 3, (const double(*)[3])corner, 0.5, 1);
+  }
+  hold_closed(d, TOLERANCE, &f);
+  for (int s = 0; s < 4; s++)
+    for (int t = 0; t < 4; t++)
+      hold("tetrahedron", f.matrix[s * 4 + t], s == t ? 0 : 1.0 / 3);
+  rad_view_factors_free(&f);
+  free(d);
+}
+END_TEST
+
+/* A box of random size whose floor is a fan of four triangles round a random point and whose four
+ * walls are one surface, which sees itself. */
+static void random_box(struct deck_text *d, double *wall_over_floor) {
+  double a = 0.5 + drand48(), b = 0.5 + drand48(), h = 0.5 + drand48();
+  double middle[3] = {a * (0.2 + 0.6 * drand48()), b * (0.2 + 0.6 * drand48()), 0};
+  double low[4][3] = {{0, 0, 0}, {a, 0, 0}, {a, b, 0}, {0, b, 0}};
+  double high[4][3] = {{0, 0, h}, {0, b, h}, {a, b, h}, {a, 0, h}};
+  deck_begin(d);
+  for (int k = 0; k < 4; k++) {
+    double fan[3][3];
+    memcpy(fan[0], middle, sizeof middle);
+    memcpy(fan[1], low[k], sizeof fan[1]);
+    memcpy(fan[2], low[(k + 1) % 4], sizeof fan[2]);
+    deck_polygon(d, "floor", 3, (const double(*)[3])fan, 0.5, 1);
+  }
+  deck_polygon(d, "ceiling", 4, (const double(*)[3])high, 0.5, 0);
+  for (int k = 0; k < 4; k++) {
+    const double *p = low[k], *q = low[(k + 1) % 4];
+    double wall[4][3] = {{p[0], p[1], 0}, {p[0], p[1], h}, {q[0], q[1], h}, {q[0], q[1], 0}};
+    deck_polygon(d, "walls", 4, (const double(*)[3])wall, 0, 0);
+  }
+  *wall_over_floor = 2 * h * (a + b) / (a * b);
+}
+
+START_TEST(boxes) {
+  const char *given = getenv("RAD_TEST_SEED");
+  long seed = given ? atol(given) : 2003;
+  struct deck_text *d = malloc(sizeof *d);
+  printf("boxes: seed %ld\n", seed);
+  srand48(seed);
+  for (int run = 0; run < 4; run++) {
+    struct rad_view_factors f;
+    double tolerance = pow(10, -3 - run), ratio;
+    random_box(d, &ratio);
+    hold_closed(d, tolerance, &f);
+    ck_assert(f.n == 3 && f.matrix[0] == 0 && f.matrix[4] == 0);
+    /* floor and ceiling are alike; what the walls lose to them comes from reciprocity */
+    double to_ceiling = f.matrix[1], self = 1 - 2 * (1 - to_ceiling) / ratio;
+    ck_assert(fabs(f.matrix[3] - to_ceiling) <= 2 * tolerance);
+    ck_assert(fabs(f.matrix[8] - self) <= (1 + 2 / ratio) * tolerance);
+    rad_view_factors_free(&f);
+  }
+  free(d);
+}
+END_TEST
+
+/* ---- estimates and limits ---- */
+
+/* The plane of a tilted source crosses the target in general position: zero on one side and, seen
+ * from there, a kink. From the source the visible part of the target has a smooth factor. */
+START_TEST(kink) {
+  static const double low[4][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  static const double tilted[3][3] = {{0.3, 0.2, 0.3}, {0.6, 0.9, 0.25}, {0.2, 0.85, 0.7}};
+  struct deck_text *d = two_surfaces(low, 4, tilted, 3);
+  struct rad_view_factors fine;
+  compute(d, 1e-8, 0, &fine);
+  hold_matrix(&fine);
+  for (double tolerance = 1e-3; tolerance > 1e-6; tolerance /= 10) {
+    struct rad_view_factors f;
+    compute(d, tolerance, 0, &f);
+    hold_matrix(&f);
+    for (int i = 0; i < 4; i++)
+      ck_assert(fabs(f.matrix[i] - fine.matrix[i]) <= f.error[i] + 2 * fine.tolerance);
+    ck_assert_int_lt(f.points, 10000);
+    rad_view_factors_free(&f);
+  }
+  rad_view_factors_free(&fine);
+  free(d);
+}
+END_TEST
+
+START_TEST(limits) {
+  struct pair p = inclined(1, 1, 10);
+  struct deck_text *d = two_surfaces(p.target, 4, p.source, 4);
+  struct rad_view_factors f;
+  compute(d, 1e-9, 2000, &f);
+  ck_assert(!f.converged && f.points <= 2000 && f.worst_error > 1e-9);
+  ck_assert_msg(strstr(f.reason, "number of points"), "%s", f.reason);
+  ck_assert(fabs(f.matrix[1] - 0.8496061249628472) <= f.error[1]);
+  rad_view_factors_free(&f);
+  p = parallel(1, 1, 0, 0);
+  free(d);
+  d = two_surfaces(p.target, 4, p.source, 4);
+  compute(d, 1e-15, 0, &f); /* beyond rounding: ends soon and says so */
+  ck_assert(!f.converged && f.points < 10000);
+  ck_assert_msg(strstr(f.reason, "rounding"), "%s", f.reason);
+  ck_assert(fabs(f.matrix[1] - 0.1998248956983874) <= 1e-12);
+  rad_view_factors_free(&f);
+  free(d);
+}
+END_TEST
+
+START_TEST(threads_do_not_matter) {
+  struct pair p = inclined(1, 1, 30);
+  struct deck_text *d = two_surfaces(p.target, 4, p.source, 4);
+  struct rad_view_factors one, three;
+  omp_set_num_threads(1);
+  compute(d, 1e-6, 0, &one);
+  omp_set_num_threads(3);
+  compute(d, 1e-6, 0, &three);
+  ck_assert_int_eq(one.points, three.points);
+  ck_assert(!memcmp(one.matrix, three.matrix, 4 * sizeof(double)));
+  ck_assert(!memcmp(one.error, three.error, 4 * sizeof(double)));
+  rad_view_factors_free(&one);
+  rad_view_factors_free(&three);
+  free(d);
+}
+END_TEST
+
+/* Cells of random descents: areas add up, the rule integrates constants and linear functions. */
+START_TEST(cells) {
+  struct rad_gauss g;
+  struct rad_error e;
+  ck_assert_int_eq(rad_gauss_init(&g, &e), RAD_OK);
+  srand48(2003);
+  struct rad_view_cell cell = rad_view_cell_whole(7), child[RAD_CELL_CHILDREN];
+  for (int depth = 1; depth <= 40; depth++) {
+    int n = rad_view_cell_split(&cell, child);
+    double share = 0;
+    ck_assert_int_eq(n, cell.at_vertex ? 5 : 4);
+    for (int k = 0; k < n; k++)
+      share += rad_view_cell_share(&child[k]);
+    ck_assert(share == rad_view_cell_share(&cell)); /* powers of two */
+    cell = child[depth % 3 ? n - 1 : (int)(n * drand48())];
+    ck_assert(cell.triangle == 7 && cell.depth == depth);
+    double mu[9][2], weight[9], sum = 0, mean[2] = {0};
+    int base = rad_view_cell_points(&g, &cell, 3, mu, weight);
+    for (int q = 0; q < 9; q++) {
+      sum += weight[q];
+      ck_assert(mu[q][0] > 0 && mu[q][1] > 0 && mu[q][0] + mu[q][1] < 1);
+      for (int d = 0; d < 2; d++)
+        mean[d] += weight[q] * mu[q][d];
+    }
+    ck_assert(fabs(sum - 1) < 1e-14);
+    for (int d = 0; d < 2; d++) {
+      int at = (base + 1 + d) % 3;
+      double middle = (cell.corner[0][at] + cell.corner[1][at] + cell.corner[2][at]) / 3;
+      ck_assert(fabs(mean[d] - middle) <= 1e-14 * middle);
+    }
+  }
+  rad_gauss_free(&g);
+}
+END_TEST
+
 int main(void) {
   Suite *s = suite_create("view factors");
   TCase *c = tcase_create("closed forms");
@@ -131,7 +420,19 @@ int main(void) {
   tcase_add_test(c, parallel_rectangles);
   tcase_add_test(c, rectangles_on_an_edge);
   tcase_add_test(c, other_shapes);
+  tcase_add_test(c, occluded);
+  tcase_add_test(c, collocation);
   tcase_add_test(c, points);
+  suite_add_tcase(s, c);
+  c = tcase_create("matrices");
+  tcase_set_timeout(c, 300);
+  tcase_add_test(c, cube);
+  tcase_add_test(c, tetrahedron);
+  tcase_add_test(c, boxes);
+  tcase_add_test(c, kink);
+  tcase_add_test(c, limits);
+  tcase_add_test(c, threads_do_not_matter);
+  tcase_add_test(c, cells);
   suite_add_tcase(s, c);
   return run_suite(s);
 }

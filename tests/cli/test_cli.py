@@ -282,13 +282,6 @@ class Scenes(Case):
     def test_properties_of_unknown_surface(self):
         self.look(SCENE + "  surfaces:\n    flor: {rho: 1}\n", 5, "did you mean 'floor'")
 
-    def test_shadow_names_three_triangles(self):
-        self.look("scene:\n  triangles:\n"
-                  + triangle("low", [[0, 0, 0], [1, 0, 0], [0, 1, 0]], [0, 0, 1])
-                  + triangle("high", [[0, 0, 2], [1, 0, 2], [0, 1, 2]], [0, 0, -1])
-                  + triangle("screen", [[0, 0, 1], [1, 0, 1], [0, 1, 1]], [0, 0, 1]),
-                  0, "shadow", "triangle 3 (screen)", "triangles 1 (low)", "2 (high)")
-
     def test_probe_off_the_surface(self):
         self.look(SCENE + "probes:\n  - {name: up, surface: floor, at: [0.2, 0.2, 0.1]}\n", 5,
                   "probe up", "(0.2, 0.2, 0.1)", "does not lie on floor")

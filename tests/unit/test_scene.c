@@ -231,12 +231,8 @@ END_TEST
 /* --- refusals --- */
 
 START_TEST(refuses_a_deck_without_triangles) {
-  struct rad_deck deck = {.path = "room.yml", .mesh_file = "room.obj", .n_band = 1};
-  refused(&deck,
-          "room.yml: error: reading scene.mesh from OBJ is not available in this version; "
-          "give scene.triangles");
-  deck = (struct rad_deck){.path = "room.yml", .n_band = 1};
-  refused(&deck, "room.yml: error: the scene is empty; give scene.triangles");
+  struct rad_deck deck = {.path = "room.yml", .n_band = 1};
+  refused(&deck, "room.yml: error: the scene is empty; give scene.triangles or scene.mesh");
 }
 END_TEST
 
@@ -291,8 +287,8 @@ START_TEST(refuses_bad_numbers) {
           "correct it");
   add(&deck, "floor", UNIT)->vertex[1][0] = 1e200;
   refused(&deck,
-          "room.yml: error: the bounding box of scene.triangles has diameter 1e+200; give "
-          "lengths in a unit that makes it 1e-60 to 1e+60");
+          "room.yml: error: the bounding box of the scene has diameter 1e+200; give lengths "
+          "in a unit that makes it 1e-60 to 1e+60");
 }
 END_TEST
 

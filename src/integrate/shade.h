@@ -1,0 +1,42 @@
+/* The shadows on one source patch for a batch of targets. */
+#ifndef RAD_INTEGRATE_SHADE_H
+#define RAD_INTEGRATE_SHADE_H
+
+#include "integrate/strips.h"
+#include "mesh/mesh.h"
+#include "visibility/visible.h"
+
+/* Memory of one thread. */
+struct rad_shade {
+  int n_blocker, frame_room;
+  int *blocker;                   /* owned [occluders] */
+  struct rad_shadow_frame *frame; /* owned [frame_room], of the blockers */
+  int64_t plane_room, n_plane;
+  struct rad_half_planes *plane; /* owned [plane_room] shadows in the patch's (r, r t) */
+  int *first;                    /* owned [targets + 1] of each target's shadows */
+  struct rad_parts parts;        /* visible parts of an element, in (r, r t) */
+  int strip_room;
+  struct rad_strip *strip; /* owned [strip_room] */
+  int failed;              /* out of memory */
+};
+
+enum rad_code rad_shade_init(const struct rad_scene *scene, int most_targets, struct rad_shade *s,
+                             struct rad_error *e);
+void rad_shade_free(struct rad_shade *s); /* safe twice */
+
+/**
+ * Cast the shadows between a target triangle and a patch for n targets.
+ *
+ * @return 0 if there are none at all. Without memory s->failed is set.
+ */
+int rad_shade_cast(const struct rad_scene *scene, int target, const struct rad_patch *patch, int n,
+                   const int *base, const double (*mu)[2], struct rad_shade *s);
+
+/* What target i sees of a convex polygon of the patch, i < 0: without shadows; s->parts is that. */
+enum rad_sight rad_shade_polygon(struct rad_shade *s, int i, const struct rad_polygon *polygon);
+
+/* s->parts as strips of an element; their number, in s->strip. */
+int rad_shade_strips(struct rad_shade *s, const struct rad_patch *patch,
+                     const struct rad_element *e);
+
+#endif
