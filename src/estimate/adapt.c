@@ -14,6 +14,7 @@ enum { MAX_LEVEL = 40 };
 
 /* d is seen through a finer mesh and at check points only: what they may miss. */
 #define SAFETY 1.5
+#define SAFETY_SHADED 2.5 /* d has kinks */
 
 /* A refined part is meant to become this much smaller than its share, more so at later levels, and
  * parts that are nearly too large are refined as well: a level costs more than the unknowns that
@@ -105,6 +106,10 @@ static enum rad_code solve_level(const struct rad_scene *scene, const struct rad
                           e);
 }
 
+static double safety_of(const struct rad_scene *s) {
+  return s->visibility->n_partly > 0 ? SAFETY_SHADED : SAFETY;
+}
+
 /* |u - u*| <= (|rho K d| + |rho (K - K_h) u*| + residual) max w (theory 6.3). */
 static void set_bound(struct rad_adaptive *a) {
   double least = INFINITY;
@@ -113,8 +118,9 @@ static void set_bound(struct rad_adaptive *a) {
       least = fmin(least, a->indicator.scale[b]);
   double residual = isinf(least) ? 0 : a->report.residual / least;
   double rest = 2 * a->quadrature + residual, norm = fmax(a->report.inverse_norm, 1);
-  a->bound = (SAFETY * a->indicator.worst + rest) * norm;
-  a->bound_limit = (SAFETY * a->indicator.limit + rest) * norm;
+  double safety = safety_of(a->layout.scene);
+  a->bound = (safety * a->indicator.worst + rest) * norm;
+  a->bound_limit = (safety * a->indicator.limit + rest) * norm;
 }
 
 /* z = (I - rho K)^{-1} g with the largest |rho K d| of each element as g: pointwise bound. */
@@ -129,7 +135,7 @@ static enum rad_code set_element_bound(struct rad_adaptive *a, struct rad_error 
     for (int i = 0; i < a->mesh->n_element; i++) {
       const struct rad_element *el = &a->mesh->element[i];
       for (int f = 0; f < el->n_function; f++)
-        right[el->first + f] = SAFETY * a->indicator.local[i] + 2 * a->quadrature;
+        right[el->first + f] = safety_of(a->layout.scene) * a->indicator.local[i] + 2 * a->quadrature;
     }
     struct rad_linear system = {a->rho + (size_t)b * n, right, z, 1e-6, 0};
     code = rad_gmres(&a->dense, 1, &system, e);
@@ -161,7 +167,7 @@ static enum rad_code refine(const struct rad_goal *g, struct rad_adaptive *a, st
   struct rad_refinement *what = rad_calloc((size_t)l->n_leaf, sizeof *what);
   if (!what)
     return rad_fail_memory(e, "the refinement", (double)l->n_leaf * sizeof *what);
-  double share = 0.8 * g->tolerance / (SAFETY * fmax(a->report.inverse_norm, 1) * x->spread);
+  double share = 0.8 * g->tolerance / (safety_of(l->scene) * fmax(a->report.inverse_norm, 1) * x->spread);
   double over = OVERSHOOT * pow(1.15, a->levels);
   for (int i = 0; i < l->n_leaf; i++) {
     const struct rad_leaf *f = &l->leaf[i];
@@ -193,9 +199,10 @@ static double bytes(const struct rad_goal *g, const struct rad_layout *l) {
 /* With `whole`, at all check points even if the bound is far off. */
 static enum rad_code estimate(const struct rad_goal *g, int whole, struct rad_adaptive *a,
                               struct rad_error *e) {
-  double enough = FAR_OFF * g->tolerance / (SAFETY * fmax(a->report.inverse_norm, 1));
+  double enough = FAR_OFF * g->tolerance /
+                  (safety_of(a->layout.scene) * fmax(a->report.inverse_norm, 1));
   rad_indicator_free(&a->indicator);
-  enum rad_code code = rad_indicate(&a->layout, a->mesh, &a->rules, a->dense.sees, a->u,
+  enum rad_code code = rad_indicate(a->mesh, &a->rules, a->dense.sees, a->layout.passive, a->u,
                                     whole ? INFINITY : enough, &a->indicator, e);
   if (!code)
     set_bound(a);

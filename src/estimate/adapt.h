@@ -3,6 +3,7 @@
 #define RAD_ESTIMATE_ADAPT_H
 
 #include "estimate/indicator.h"
+#include "estimate/layout.h"
 #include "system/solve.h"
 
 struct rad_goal {

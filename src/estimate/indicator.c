@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "visibility/visibility.h"
 
 enum { CHECK = 5 }; /* check points per direction and element, odd */
 
@@ -14,7 +15,7 @@ enum { CHECK = 5 }; /* check points per direction and element, odd */
 
 /* Everything that the steps of one estimate share. */
 struct work {
-  const struct rad_layout *layout;
+  const unsigned char *passive; /* or NULL */
   const struct rad_mesh *mesh;
   const unsigned char *sees;
   int n_band;
@@ -32,7 +33,7 @@ struct work {
 };
 
 static int passive(const struct work *w, int element) {
-  return w->layout->passive[rad_element_triangle(w->mesh, element)];
+  return w->passive && w->passive[rad_element_triangle(w->mesh, element)];
 }
 
 /* ---- u* and d at the fine points ----------------------------------------------------------- */
@@ -302,7 +303,13 @@ void rad_indicator_free(struct rad_indicator *x) {
   *x = (struct rad_indicator){0};
 }
 
-/* The mesh with RAD_MORE more points in each direction of every element that has unknowns. */
+/* True if something may stand between the triangle and another. */
+static int shaded(const struct work *w, int triangle) {
+  int n = w->mesh->scene->n_triangle;
+  return memchr(w->sees + (size_t)triangle * (size_t)n, RAD_PARTLY, (size_t)n) != NULL;
+}
+
+/* The mesh with more points in each direction of every element that has unknowns. */
 static enum rad_code finer_mesh(struct work *w, struct rad_error *e) {
   const struct rad_mesh *m = w->mesh;
   enum rad_code code = rad_mesh_begin(m->scene, &w->fine, e);
@@ -310,21 +317,23 @@ static enum rad_code finer_mesh(struct work *w, struct rad_error *e) {
     rad_mesh_add_patch(&w->fine, &m->patch[p]);
     for (int i = m->element_first[p]; i < m->element_first[p + 1]; i++) {
       struct rad_element el = m->element[i];
-      el.k_phi += passive(w, i) ? 0 : RAD_MORE;
-      el.k_r += passive(w, i) ? 0 : RAD_MORE;
+      int more = passive(w, i)                             ? 0
+                 : shaded(w, rad_element_triangle(m, i)) ? RAD_MORE_SHADED
+                                                           : RAD_MORE;
+      el.k_phi += more;
+      el.k_r += more;
       rad_mesh_add_element(&w->fine, el);
     }
   }
   return code ? code : rad_mesh_finish(&w->fine, e);
 }
 
-enum rad_code rad_indicate(const struct rad_layout *layout, const struct rad_mesh *mesh,
-                           const struct rad_rules *rules, const unsigned char *sees,
-                           const double *u, double enough, struct rad_indicator *x,
-                           struct rad_error *e) {
+enum rad_code rad_indicate(const struct rad_mesh *mesh, const struct rad_rules *rules,
+                           const unsigned char *sees, const unsigned char *passive, const double *u,
+                           double enough, struct rad_indicator *x, struct rad_error *e) {
   *x = (struct rad_indicator){0};
   struct work w = {
-      .layout = layout, .mesh = mesh, .sees = sees, .n_band = mesh->scene->n_band, .x = x};
+      .passive = passive, .mesh = mesh, .sees = sees, .n_band = mesh->scene->n_band, .x = x};
   enum rad_code code = allocate(x, mesh->n_element, w.n_band, e);
   if (!code)
     code = finer_mesh(&w, e);

@@ -3,7 +3,6 @@
 #define RAD_ESTIMATE_INDICATOR_H
 
 #include "estimate/iterate.h"
-#include "estimate/layout.h"
 
 /**
  * With d = u* - u_h:  u - u* = (I - rho K)^{-1} rho K d, so with w = (I - rho K)^{-1} 1
@@ -28,22 +27,25 @@ struct rad_indicator {
   int64_t kernel_values;
 };
 
-enum { RAD_MORE = 2 };
+/* Points more per direction of the finer mesh; in triangles on which shadows may fall, where d has
+ * kinks, twice as many. */
+enum { RAD_MORE = 2, RAD_MORE_SHADED = 4 };
 
 /* Distance of the check points nearest to edges and vertices, as phi or r; and of limit points. */
 #define RAD_NEAREST 1e-7
 #define RAD_LIMIT 1e-25
 
 /**
+ * @param[in]  mesh     without folded elements
+ * @param[in]  passive  [n_triangle] see rad_layout, or NULL: all triangles have rows
  * @param[in]  u  [n_band, n_point] solution on mesh
  * @param[in]  enough  if a quarter of the check points finds `worst` above this, the rest is left
  *                     out: such a mesh will be refined anyway
  * @param[out] x  to be freed with rad_indicator_free, also after an error
  */
-enum rad_code rad_indicate(const struct rad_layout *layout, const struct rad_mesh *mesh,
-                           const struct rad_rules *rules, const unsigned char *sees,
-                           const double *u, double enough, struct rad_indicator *x,
-                           struct rad_error *e);
+enum rad_code rad_indicate(const struct rad_mesh *mesh, const struct rad_rules *rules,
+                           const unsigned char *sees, const unsigned char *passive, const double *u,
+                           double enough, struct rad_indicator *x, struct rad_error *e);
 void rad_indicator_free(struct rad_indicator *x); /* safe twice */
 
 #endif

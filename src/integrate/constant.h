@@ -31,9 +31,9 @@ struct rad_facet_targets {
  *   R_m = y_m - x,  Gamma_m = R_m x (y_{m+1} - y_m) / | . |                      (theory 3.9)
  *
  * The error is taken as 4e-16/(2 pi) sum_m theta_m |R_m| |y_{m+1} - y_m| / |R_m x (y_{m+1} - y_m)|
- * (the relative error of each product of a side; |.|_1 for |R_m|; measured: less than half of it).
- * Relative to K that is about 1e-16 distance over extent, over both cosines. 0 for targets behind
- * the source.
+ * (theory 3.14; the relative error of each product of a side; |.|_1 for |R_m|; measured: less than
+ * half of it). Relative to K that is about 1e-16 distance over extent, over both cosines. 0 for
+ * targets behind the source.
  *
  * @param[in]  tolerance  relative, of each value
  * @param[out] value      [RAD_FACET_LANES]; NAN where rounding exceeds the tolerance, or a vertex

@@ -44,6 +44,11 @@ static double complex side_pole(const struct rad_near *w, const struct rad_side_
   return p->a1 * y2 / (p->b2 * y1 - p->b1 * y2);
 }
 
+/* A side that almost is a ray passes x near the real axis, and by rounding on it. */
+static double complex off_axis(double complex sigma) {
+  return creal(sigma) + I * fmax(fabs(cimag(sigma)), 1e-30);
+}
+
 /* The poles that matter for a strip; returns their number. */
 static int find_poles(const struct rad_near *w, const struct rad_strip *strip,
                       double complex *pole) {
@@ -57,8 +62,8 @@ static int find_poles(const struct rad_near *w, const struct rad_strip *strip,
   if (foot >= side_r(w, &strip->lower, tf) && foot <= side_r(w, &strip->upper, tf))
     pole[n++] = sigma_of(w, t);
   if (strip->lower.g != 0)
-    pole[n++] = sigma_of(w, side_pole(w, &strip->lower));
-  pole[n++] = sigma_of(w, side_pole(w, &strip->upper));
+    pole[n++] = off_axis(sigma_of(w, side_pole(w, &strip->lower)));
+  pole[n++] = off_axis(sigma_of(w, side_pole(w, &strip->upper)));
   return n;
 }
 

@@ -35,7 +35,8 @@ static void *grow(void *block, int64_t n, int64_t *room, size_t size) {
   return grown;
 }
 
-static int set_frames(const struct rad_occluders *o, int target, int source, struct rad_shade *s) {
+static int set_frames(const struct rad_occluders *o, int target, int source, const int *blocker,
+                      struct rad_shade *s) {
   if (s->n_blocker > s->frame_room) {
     int64_t room = s->frame_room;
     void *grown = grow(s->frame, s->n_blocker, &room, sizeof *s->frame);
@@ -46,7 +47,7 @@ static int set_frames(const struct rad_occluders *o, int target, int source, str
   }
   int n = 0;
   for (int b = 0; b < s->n_blocker; b++) {
-    rad_shadow_frame_set(o, target, source, s->blocker[b], &s->frame[n]);
+    rad_shadow_frame_set(o, target, source, blocker[b], &s->frame[n]);
     n += s->frame[n].n > 0;
   }
   s->n_blocker = n;
@@ -77,9 +78,9 @@ int rad_shade_cast(const struct rad_scene *scene, int target, const struct rad_p
   const struct rad_visibility *v = scene->visibility;
   if (!v || v->sight[(size_t)target * scene->n_triangle + patch->triangle] != RAD_PARTLY)
     return 0;
-  rad_sight_between(&v->occluders, target, patch->triangle, s->blocker, &s->n_blocker);
+  const int *blocker = rad_blockers(v, target, patch->triangle, s->blocker, &s->n_blocker);
   s->n_plane = 0;
-  if (set_frames(&v->occluders, target, patch->triangle, s))
+  if (set_frames(&v->occluders, target, patch->triangle, blocker, s))
     s->failed = 1;
   for (int i = 0; i < n && !s->failed; i++) {
     s->first[i] = (int)s->n_plane;

@@ -2,9 +2,8 @@
 
 #include <math.h>
 
-/* Cut corners are good to the rounding of the polygon's size: nearer to the patch's corner t means
- * nothing, and a strip no wider than that is none. */
-#define ROUNDING 1e-15
+#define ROUNDING 1e-15 /* of cut corners, over the size of what they were cut from */
+#define SAME_RAY 1e-14
 
 struct rad_strip rad_strip_whole(const struct rad_element *e) {
   return (struct rad_strip){{e->sigma[0], e->sigma[1]},
@@ -45,45 +44,47 @@ static struct rad_side_line side_at(const struct rad_polygon *polygon, double t,
   return found;
 }
 
-/* A corner's ray, and by how much rounding may turn it. */
-struct ray_at {
-  double t, doubt;
-};
-
-static void sort(struct ray_at *x, int n) {
-  for (int i = 1; i < n; i++)
-    for (int j = i; j > 0 && x[j].t < x[j - 1].t; j--) {
-      struct ray_at keep = x[j];
-      x[j] = x[j - 1];
-      x[j - 1] = keep;
-    }
+/* Angles t of the polygon's corners, ascending: [RAD_MAX_CORNER]. A corner's t is good to
+ * `rounding` over its r; within that it is on the ray of a corner farther out, if there is one.
+ * Returns their number; at_corner: the polygon reaches the patch's corner. */
+static int corner_rays(const struct rad_polygon *polygon, double rounding, double *t,
+                       int *at_corner) {
+  int n = 0, left = polygon->n, done[RAD_MAX_CORNER] = {0};
+  for (; left > 0; left--) {
+    int far = -1, known = 0;
+    for (int i = 0; i < polygon->n; i++)
+      if (!done[i] && (far < 0 || polygon->corner[i][0] > polygon->corner[far][0]))
+        far = i;
+    double r = polygon->corner[far][0], at = polygon->corner[far][1] / r;
+    if (!(r > rounding))
+      break;
+    done[far] = 1;
+    for (int i = 0; i < n; i++)
+      known |= fabs(t[i] - at) <= SAME_RAY + rounding / r;
+    int place = known ? -1 : n++;
+    for (; place > 0 && t[place - 1] > at; place--)
+      t[place] = t[place - 1];
+    if (!known)
+      t[place] = at;
+  }
+  *at_corner = left > 0;
+  return n;
 }
 
 int rad_strips(const struct rad_patch *patch, const struct rad_element *e,
                const struct rad_polygon *polygon, struct rad_strip *strip) {
-  struct ray_at ray[RAD_MAX_CORNER];
-  double most = rad_graded(e->tau[1], e->p_r); /* a cut rounds by the size of the whole */
-  int n_ray = 0, n = 0, at_corner = 0;
-  for (int i = 0; i < polygon->n; i++) {
-    double r = polygon->corner[i][0];
-    if (r > ROUNDING * most)
-      ray[n_ray++] = (struct ray_at){polygon->corner[i][1] / r, 1e-14 + ROUNDING * most / r};
-    else
-      at_corner = 1; /* the patch's corner: on every ray */
+  double t[RAD_MAX_CORNER], sigma[RAD_MAX_CORNER];
+  int at_corner, n = corner_rays(polygon, ROUNDING * rad_graded(e->tau[1], e->p_r), t, &at_corner);
+  for (int i = 0; i < n; i++) {
+    double s = rad_ungraded(rad_angle_phi(patch->angle, t[i]), e->p_phi);
+    sigma[i] = fmin(fmax(s, e->sigma[0]), e->sigma[1]);
   }
-  sort(ray, n_ray);
-  for (int i = 0; i + 1 < n_ray; i++) {
-    const struct ray_at *side = &ray[i];
-    if (side[1].t - side[0].t <= fmax(side[0].doubt, side[1].doubt))
-      continue;
-    double mid = 0.5 * (side[0].t + side[1].t);
-    struct rad_strip *s = &strip[n++];
-    for (int d = 0; d < 2; d++)
-      s->sigma[d] =
-          fmin(fmax(rad_ungraded(rad_angle_phi(patch->angle, side[d].t), e->p_phi), e->sigma[0]),
-               e->sigma[1]);
-    s->lower = at_corner ? (struct rad_side_line){0, 1, 0} : side_at(polygon, mid, 0);
-    s->upper = side_at(polygon, mid, 1);
+  for (int i = 0; i + 1 < n; i++) {
+    double mid = 0.5 * (t[i] + t[i + 1]);
+    strip[i].sigma[0] = sigma[i];
+    strip[i].sigma[1] = sigma[i + 1];
+    strip[i].lower = at_corner ? (struct rad_side_line){0, 1, 0} : side_at(polygon, mid, 0);
+    strip[i].upper = side_at(polygon, mid, 1);
   }
-  return n;
+  return n > 1 ? n - 1 : 0;
 }

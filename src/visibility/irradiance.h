@@ -8,7 +8,7 @@
  * Form factor from a point to a polygon, all of which it sees and none of which is behind it,
  *
  *   F = 1/(2 pi) |sum_e theta_e n_x.(r_e x r_{e+1}) / |r_e x r_{e+1}||,  r_e = y_e - x,
- *
+ *                                                                               (theory 3.9)
  * theta_e the angle between r_e and r_{e+1}: the integral of [n_x.(y - x)] [n_y.(x - y)] / (pi |x -
  * y|^4) over the polygon.
  *

@@ -2,6 +2,8 @@
 #ifndef RAD_VISIBILITY_OCCLUDER_H
 #define RAD_VISIBILITY_OCCLUDER_H
 
+#include <stdint.h>
+
 #include "scene/scene.h"
 
 enum { RAD_MAX_OCCLUDER_CORNER = 8 };
@@ -76,12 +78,23 @@ enum rad_sight { RAD_HIDDEN, RAD_FREE, RAD_PARTLY };
  */
 enum rad_sight rad_sight_between(const struct rad_occluders *o, int i, int j, int *list, int *n);
 
+/* The blockers of the RAD_PARTLY pairs (i, j), j > i, of one triangle: j, their number, and they,
+ * one pair after another, j ascending. */
+struct rad_sight_row {
+  int n, full; /* numbers in data; 1: some pairs were left out */
+  int *data;   /* owned [n] */
+};
+
 /**
  * rad_sight_between of all pairs, by all threads.
  *
+ * @param[in]  most  numbers that the rows may store in all
+ * @param[out] row   [n_triangle], zero at first; what is stored depends on the threads if `most` is
+ *                   too small, what is said does not
  * @return owned [n_triangle, n_triangle] enum rad_sight, to be freed with free; symmetric, the
  *         diagonal RAD_HIDDEN; NULL without memory
  */
-unsigned char *rad_sight_matrix(const struct rad_occluders *o);
+unsigned char *rad_sight_matrix(const struct rad_occluders *o, int64_t most,
+                                struct rad_sight_row *row);
 
 #endif

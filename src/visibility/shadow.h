@@ -21,7 +21,8 @@ struct rad_shadow {
  * Everything about target i, source j and occluder k that does not depend on the point x of i.
  *
  * With V the target's and v the source's vertices, lambda the barycentric coordinates of x in i, q
- * the occluder's corners counterclockwise about its normal n_k, and h the height of x above it:
+ * the occluder's corners counterclockwise about its normal n_k, and h the height of x above it
+ * (theory 13.2):
  *
  *   f_s(v_m) = -sign(h) sum_c lambda_c det(q_s - V_c, q_{s+1} - V_c, v_m - V_c)
  *   f_n(v_m) = -sign(h) n_k.(v_m - q_0),   h = sum_c lambda_c n_k.(V_c - q_0)

@@ -8,8 +8,9 @@
 
 struct rad_visibility {
   struct rad_occluders occluders;
-  unsigned char *sight; /* owned [n_triangle, n_triangle] enum rad_sight */
-  int64_t n_partly;     /* pairs i < j that something may stand between */
+  unsigned char *sight;      /* owned [n_triangle, n_triangle] enum rad_sight */
+  struct rad_sight_row *row; /* owned [n_triangle] */
+  int64_t n_partly;          /* pairs i < j that something may stand between */
 };
 
 /**
@@ -20,6 +21,14 @@ struct rad_visibility {
  */
 enum rad_code rad_visibility_build(struct rad_scene *scene, struct rad_visibility *v,
                                    struct rad_error *e);
+/**
+ * Occluders that may stand between two triangles with sight RAD_PARTLY.
+ *
+ * @param[out] list  [occluders.n] used if they have to be looked for;  n: their number
+ * @return them: list, or a part of v
+ */
+const int *rad_blockers(const struct rad_visibility *v, int i, int j, int *list, int *n);
+
 void rad_visibility_free(struct rad_visibility *v); /* safe twice */
 
 #endif

@@ -48,7 +48,7 @@ static double final_solve(const struct rad_adaptive *a, const struct rad_goal *g
   double *u = rad_calloc((size_t)mesh.n_point * 2, sizeof(double)), *h = u + mesh.n_point;
   struct rad_solve_options o = {goal->solver, 0.01 * goal->tolerance, 0, a->quadrature};
   need(rad_solve(&dense, &o, 1, a->rho, a->emission, u, h, &report, &e), &e);
-  need(rad_indicate(&a->layout, &mesh, &rules, dense.sees, u, INFINITY, &indicator, &e), &e);
+  need(rad_indicate(&mesh, &rules, dense.sees, a->layout.passive, u, INFINITY, &indicator, &e), &e);
   double seconds = rad_seconds() - start;
   free(u);
   rad_indicator_free(&indicator);

@@ -11,7 +11,7 @@
 #include "visibility/bvh.h"
 #include "visibility/facing.h"
 #include "visibility/hull.h"
-#include "visibility/occluder.h"
+#include "visibility/visibility.h"
 
 #define MARGIN 1e-6 /* of a triangle, or the scene: a hit nearer to a border is no evidence */
 
@@ -174,18 +174,37 @@ static void check_pair(struct view *v, int i, int j, int n_segment) {
   free(list);
 }
 
-/* Every pair, and that the matrix says the same. */
+/* The matrix and the stored lists, of which there is room for `most` numbers, say the same. */
+static void check_stored(const struct view *v, int64_t most) {
+  int n = v->scene.n_triangle, n_list, n_stored;
+  struct rad_visibility all = {.occluders = v->o, .row = calloc((size_t)n, sizeof *all.row)};
+  all.sight = rad_sight_matrix(&v->o, most, all.row);
+  int *list = calloc((size_t)v->o.n, sizeof *list), *other = calloc((size_t)v->o.n, sizeof *other);
+  ck_assert(all.sight && all.row && list && other);
+  for (int i = 0; i < n; i++)
+    for (int j = 0; j < n; j++) {
+      enum rad_sight sight = rad_sight_between(&v->o, i, j, list, &n_list);
+      ck_assert_int_eq(all.sight[i * n + j], sight);
+      if (sight != RAD_PARTLY)
+        continue;
+      const int *stored = rad_blockers(&all, i, j, other, &n_stored);
+      ck_assert_int_eq(n_stored, n_list);
+      ck_assert(!memcmp(stored, list, sizeof *list * (size_t)n_list));
+    }
+  for (int i = 0; i < n; i++)
+    free(all.row[i].data);
+  free(all.row);
+  free(all.sight);
+  free(list);
+  free(other);
+}
+
+/* Every pair, and that what is stored says the same. */
 static void check_view(struct view *v, int n_segment) {
   int n = v->scene.n_triangle;
   prepare(v);
-  unsigned char *matrix = rad_sight_matrix(&v->o);
-  int *list = calloc((size_t)v->o.n, sizeof *list), n_list;
-  ck_assert(matrix && list);
-  for (int i = 0; i < n; i++)
-    for (int j = 0; j < n; j++)
-      ck_assert_int_eq(matrix[i * n + j], rad_sight_between(&v->o, i, j, list, &n_list));
-  free(matrix);
-  free(list);
+  check_stored(v, 1 << 20);
+  check_stored(v, 30);
   for (int i = 0; i < n; i++)
     for (int j = i; j < n; j++)
       check_pair(v, i, j, n_segment);
@@ -344,7 +363,8 @@ static void check_convex(struct rad_deck *deck, const char *what) {
   prepare(&v);
   ck_assert_msg(v.o.bvh->n_node == 0, "%s: %d nodes, seed %llu", what, v.o.bvh->n_node, seed());
   int n = v.scene.n_triangle, n_faces = 0;
-  unsigned char *matrix = rad_sight_matrix(&v.o);
+  struct rad_sight_row *row = calloc((size_t)v.o.scene->n_triangle, sizeof *row);
+  unsigned char *matrix = rad_sight_matrix(&v.o, 1 << 20, row);
   ck_assert_ptr_nonnull(matrix);
   for (int i = 0; i < n; i++)
     for (int j = 0; j < n; j++) {
@@ -354,6 +374,7 @@ static void check_convex(struct rad_deck *deck, const char *what) {
     }
   ck_assert_int_gt(n_faces, 6);
   free(matrix);
+  free(row);
   drop_view(&v);
 }
 
