@@ -7,11 +7,16 @@
 #include "base/clock.h"
 #include "base/memory.h"
 
+/* Unknowns of a mesh by hand up to which its error is bounded: rows at 20 to 50 times as many
+ * points.
+ */
+enum { MOST_BOUNDED = 3000 };
+
 static enum rad_code refuse_unavailable(const struct rad_case *c, struct rad_error *e) {
-  if (c->deck.method.matrix == RAD_MATRIX_HIERARCHICAL)
+  if (c->deck.method.matrix == RAD_MATRIX_HIERARCHICAL && c->deck.method.solver == RAD_SOLVER_LU)
     return rad_fail(e, RAD_EINPUT,
-                    "%s: error: method.matrix: hierarchical is not available in this version; use "
-                    "dense or auto",
+                    "%s: error: method.solver: lu needs a dense matrix; use solver: gmres, or "
+                    "matrix: dense",
                     c->deck.path);
   if (c->deck.method.mesh == RAD_MESH_UNIFORM && c->deck.method.degree > 1)
     return rad_fail(e, RAD_EINPUT,
@@ -29,6 +34,9 @@ static void choose_mode(struct rad_case *c) {
     if (c->scene.triangle[t].n_grading || c->scene.triangle[t].n_elements)
       c->is_adaptive = 0;
   c->tolerance = c->deck.tolerance > 0 ? c->deck.tolerance : 1e-3;
+  int folded = m->mesh == RAD_MESH_UNIFORM && m->degree == 1;
+  c->wants_bound =
+      c->is_adaptive || (c->deck.tolerance > 0 && m->solver != RAD_SOLVER_NEUMANN && !folded);
 }
 
 /* Sizes of the run, from counts alone. */
@@ -41,9 +49,18 @@ static void plan(struct rad_case *c) {
   p->unknowns = n;
   p->solver = rad_solver_pick(c->deck.method.solver, n);
   p->matrix_bytes = 8 * n * n;
-  p->bytes = rad_solver_bytes(p->solver, n, nb) + mesh + picture;
+  p->matrix = RAD_MATRIX_DENSE;
+  p->rest_bytes = mesh + picture;
+  p->bytes = rad_solver_bytes(p->solver, n, nb) + p->rest_bytes;
   p->available = rad_memory_available();
   p->pairs = n * elements;
+}
+
+/* True if the matrix may be hierarchical, which only the mesh can decide. */
+static int may_compress(const struct rad_case *c) {
+  return c->deck.method.matrix == RAD_MATRIX_HIERARCHICAL ||
+         (c->deck.method.matrix == RAD_MATRIX_AUTO && c->deck.method.solver != RAD_SOLVER_LU &&
+          c->plan.matrix_bytes > RAD_SMALL_MATRIX);
 }
 
 static enum rad_code refuse_too_large(const struct rad_case *c, struct rad_error *e) {
@@ -58,6 +75,26 @@ static enum rad_code refuse_too_large(const struct rad_case *c, struct rad_error
                   "the run needs %.3g GB of memory for %.0f unknowns, but only %.3g GB are "
                   "available; %s",
                   p->bytes / 1e9, p->unknowns, p->available / 1e9, advice);
+}
+
+/* Dense or hierarchical, once the mesh can tell what the latter takes. */
+static enum rad_code choose_matrix(struct rad_case *c, struct rad_error *e) {
+  struct rad_plan *p = &c->plan;
+  const struct rad_deck_method *m = &c->deck.method;
+  struct rad_h2_plan h2;
+  if (!may_compress(c))
+    return RAD_OK;
+  enum rad_code code = rad_h2_predict(c->mesh, m->quadrature_tolerance, &h2, e);
+  if (code || rad_operator_pick(m->matrix, p->matrix_bytes, h2.bytes_build, p->available) ==
+                  RAD_MATRIX_DENSE)
+    return code ? code : refuse_too_large(c, e);
+  p->matrix = RAD_MATRIX_HIERARCHICAL;
+  p->solver = p->solver == RAD_SOLVER_LU ? RAD_SOLVER_GMRES : p->solver;
+  double vectors = rad_solver_bytes(p->solver, p->unknowns, c->scene.n_band) - p->matrix_bytes;
+  p->near_entries = h2.near_entries;
+  p->matrix_bytes = h2.bytes;
+  p->bytes = fmax(h2.bytes_build, h2.bytes + vectors) + p->rest_bytes;
+  return refuse_too_large(c, e);
 }
 
 static void count_skipped(struct rad_case *c) {
@@ -94,7 +131,8 @@ enum rad_code rad_case_prepare(const char *deck, int n_set, const char *const *s
   start = rad_seconds();
   if (!code) {
     plan(c);
-    code = refuse_too_large(c, e);
+    if (!may_compress(c) || c->plan.rest_bytes > c->plan.available)
+      code = refuse_too_large(c, e);
   }
   if (!code && !(c->mesh = rad_calloc(1, sizeof *c->mesh)))
     code = rad_fail_memory(e, "the mesh", 0);
@@ -104,7 +142,8 @@ enum rad_code rad_case_prepare(const char *deck, int n_set, const char *const *s
     return code;
   c->seconds_mesh = rad_seconds() - start;
   count_skipped(c);
-  return rad_case_check_probes(c, e);
+  code = choose_matrix(c, e);
+  return code ? code : rad_case_check_probes(c, e);
 }
 
 /* rho and E at the collocation points. */
@@ -141,22 +180,65 @@ static void adopt(struct rad_case *c) {
   a->rho = a->emission = a->u = a->h = NULL;
 }
 
-static enum rad_code solve_adaptive(struct rad_case *c, struct rad_error *e) {
+static struct rad_goal goal_of(const struct rad_case *c) {
   const struct rad_deck_method *m = &c->deck.method;
-  struct rad_goal goal = {
+  return (struct rad_goal){
       .tolerance = c->tolerance,
       .solver = m->solver,
       .solver_tolerance = m->given & RAD_GIVEN_SOLVER_TOLERANCE ? m->solver_tolerance : 0,
       .quadrature_tolerance =
           m->given & RAD_GIVEN_QUADRATURE_TOLERANCE ? m->quadrature_tolerance : 0,
       .memory = rad_memory_available()};
+}
+
+/* The bound of a solution on a mesh made by hand; the estimator has it on loan. */
+static enum rad_code estimate_by_hand(struct rad_case *c, struct rad_error *e) {
+  struct rad_goal goal = goal_of(c);
+  double assemble = c->seconds_assemble;
+  c->adaptive = (struct rad_adaptive){.mesh = c->mesh,
+                                      .rules = c->rules,
+                                      .dense = c->dense,
+                                      .h2 = c->h2.mesh ? &c->h2 : NULL,
+                                      .rho = c->rho,
+                                      .emission = c->emission,
+                                      .u = c->u,
+                                      .h = c->h,
+                                      .report = c->report};
+  enum rad_code code = rad_adapt_estimate(&c->scene, &goal, &c->adaptive, e);
+  adopt(c);
+  c->seconds_assemble = assemble;
+  c->has_bound = !code;
+  return code;
+}
+
+static enum rad_code solve_adaptive(struct rad_case *c, struct rad_error *e) {
+  struct rad_goal goal = goal_of(c);
   enum rad_code code = rad_adapt(&c->scene, &goal, &c->adaptive, e);
   adopt(c);
+  c->has_bound = !code;
   if (c->mesh) {
     double n = c->mesh->n_point;
-    c->plan =
-        (struct rad_plan){.unknowns = n, .matrix_bytes = 8 * n * n, .solver = c->report.solver};
+    c->plan = (struct rad_plan){.unknowns = n,
+                                .matrix_bytes = 8 * n * n,
+                                .solver = c->report.solver,
+                                .matrix = RAD_MATRIX_DENSE};
   }
+  return code;
+}
+
+/* The matrix that the plan chose. */
+static enum rad_code assemble(struct rad_case *c, struct rad_operator *k, struct rad_error *e) {
+  enum rad_code code;
+  if (c->plan.matrix == RAD_MATRIX_DENSE) {
+    code = rad_dense_assemble(c->mesh, &c->rules, NULL, &c->dense, e);
+    *k = rad_operator_dense(&c->dense);
+    return code;
+  }
+  code = rad_h2_build(c->mesh, &c->rules, c->rules.tolerance, &c->h2, e);
+  if (!code)
+    code = rad_h2_check(&c->h2, &c->rules, e);
+  c->plan.matrix_bytes = c->h2.bytes;
+  *k = rad_operator_h2(&c->h2);
   return code;
 }
 
@@ -164,22 +246,26 @@ enum rad_code rad_case_solve(struct rad_case *c, struct rad_error *e) {
   if (c->is_adaptive)
     return solve_adaptive(c, e);
   const struct rad_deck_method *m = &c->deck.method;
+  struct rad_operator k;
   double start = rad_seconds();
   enum rad_code code = set_data(c, e);
   if (!code)
     code = rad_rules_build(c->mesh, m->quadrature_tolerance, &c->rules, e);
   if (!code)
-    code = rad_dense_assemble(c->mesh, &c->rules, NULL, &c->dense, e);
+    code = assemble(c, &k, e);
   if (code)
     return code;
   c->seconds_assemble = rad_seconds() - start;
   struct rad_solve_options o = {m->solver, m->solver_tolerance, m->bounces, c->rules.tolerance};
-  return rad_solve(&c->dense, &o, c->scene.n_band, c->rho, c->emission, c->u, c->h, &c->report, e);
+  code = rad_solve(&k, &o, c->scene.n_band, c->rho, c->emission, c->u, c->h, &c->report, e);
+  int bounded = c->wants_bound && c->mesh->n_point <= MOST_BOUNDED;
+  return code || !bounded ? code : estimate_by_hand(c, e);
 }
 
 void rad_case_free(struct rad_case *c) {
   rad_adaptive_free(&c->adaptive);
   rad_dense_free(&c->dense);
+  rad_h2_free(&c->h2);
   rad_rules_free(&c->rules);
   if (c->mesh)
     rad_mesh_free(c->mesh);

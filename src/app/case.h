@@ -10,11 +10,14 @@
 struct rad_plan {
   double bytes;        /* memory that the run holds at once */
   double matrix_bytes; /* of the matrix alone */
+  double rest_bytes;   /* of mesh and picture */
+  double near_entries; /* of a hierarchical matrix */
   double available;    /* memory that there is */
   double seconds;      /* predicted, whole run */
   double unknowns;
   double pairs, skipped; /* point-element pairs; those that see nothing of each other */
   enum rad_solver solver;
+  enum rad_matrix matrix; /* dense or hierarchical */
 };
 
 struct rad_case {
@@ -24,13 +27,15 @@ struct rad_case {
   struct rad_notes notes;
   struct rad_mesh *mesh; /* owned */
   struct rad_rules rules;
-  struct rad_dense dense;
+  struct rad_dense dense; /* one of these two */
+  struct rad_h2 h2;
   struct rad_plan plan;
   double *rho, *emission; /* owned [n_band, n_point] at the collocation points */
   double *u, *h;          /* owned [n_band, n_point] radiosity and irradiance [W/m2] */
   struct rad_solve_report report;
   int is_adaptive;              /* no mesh was asked for by hand: the tolerance decides */
-  double tolerance;             /* of an adaptive run */
+  int wants_bound, has_bound;   /* the error is estimated and bounded, and u* is reported */
+  double tolerance;             /* of max |u - u*| over max |u| */
   struct rad_adaptive adaptive; /* its layout, indicator and bound; the rest moves to this struct */
   double seconds_scene, seconds_mesh, seconds_assemble, seconds_estimate;
 };

@@ -80,7 +80,11 @@ enum rad_code rad_case_predict(struct rad_case *c, struct rad_error *e) {
     int threads =
         omp_get_max_threads() < omp_get_num_procs() ? omp_get_max_threads() : omp_get_num_procs();
     double pair = sample_pairs(c, sees, &scratch, row);
-    c->plan.seconds = pair * (c->plan.pairs - c->plan.skipped) / threads;
+    double n = c->plan.unknowns, pairs = c->plan.pairs - c->plan.skipped;
+    c->plan.seconds = pair * pairs / threads;
+    if (c->plan.matrix == RAD_MATRIX_HIERARCHICAL) /* near pairs, and what bases take (measured) */
+      c->plan.seconds =
+          (pair * c->plan.pairs * c->plan.near_entries / (n * n) + 5e-5 * n) / threads;
     double products = c->plan.solver == RAD_SOLVER_NEUMANN ? c->deck.method.bounces : 40;
     c->plan.seconds += c->plan.solver == RAD_SOLVER_LU
                            ? predict_lu(c->mesh->n_point) * c->scene.n_band

@@ -109,7 +109,7 @@ enum rad_code rad_case_probes(const struct rad_case *c, struct rad_result *r, st
   }
   struct rad_point_list list = {(int)n, triangle, base, (const double(*)[2])mu};
   if (!code && n)
-    code = rad_irradiance_at(c->mesh, &c->rules, c->dense.sees, &list, (int)nb, c->u,
+    code = rad_irradiance_at(c->mesh, &c->rules, c->visibility.sight, &list, (int)nb, c->u,
                              r->probe_irradiance, e);
   if (!code)
     rad_iterated(&c->scene, &list, r->probe_irradiance, r->probe_radiosity);

@@ -116,7 +116,7 @@ static enum rad_code use_iterated(const struct rad_case *c, struct rad_picture *
   struct rad_point_list list = {(int)p->n_point, sites->triangle, sites->base,
                                 (const double(*)[2])sites->mu};
   enum rad_code code =
-      rad_irradiance_at(c->mesh, &c->rules, c->dense.sees, &list, nb, c->u, p->irradiance, e);
+      rad_irradiance_at(c->mesh, &c->rules, c->visibility.sight, &list, nb, c->u, p->irradiance, e);
   if (!code)
     rad_iterated(&c->scene, &list, p->irradiance, p->radiosity);
   return code;
@@ -146,9 +146,9 @@ enum rad_code rad_case_picture(const struct rad_case *c, struct rad_picture *p,
                            (double)points * (48 + 16.0 * (double)nb));
   for (int i = 0; i < c->mesh->n_element && !code; i++)
     picture_element(c, i, p, &sites);
-  if (!code && c->is_adaptive)
+  if (!code && c->has_bound)
     code = use_iterated(c, p, &sites, e);
-  if (!code && c->is_adaptive)
+  if (!code && c->has_bound)
     code = add_estimates(c, p, e);
   free(sites.triangle);
   free(sites.base);
@@ -219,7 +219,7 @@ static enum rad_code passive_mean(const struct rad_case *c, int t, double *irrad
     mean_points(c, t, triangle, triangle + MEAN_TOTAL, mu, weight);
     struct rad_point_list list = {MEAN_TOTAL, triangle, triangle + MEAN_TOTAL,
                                   (const double(*)[2])mu};
-    code = rad_irradiance_at(c->mesh, &c->rules, c->dense.sees, &list, nb, c->u, h, e);
+    code = rad_irradiance_at(c->mesh, &c->rules, c->visibility.sight, &list, nb, c->u, h, e);
     for (int b = 0; b < nb && !code; b++) {
       irradiance[t * nb + b] = 0;
       for (int q = 0; q < MEAN_TOTAL; q++)
@@ -284,23 +284,27 @@ static double indicator(const struct rad_case *c) {
   return c->adaptive.indicator.change * scale(c);
 }
 
+static const struct rad_counters *counters(const struct rad_case *c) {
+  return c->h2.mesh ? &c->h2.counters : &c->dense.counters;
+}
+
 static void set_diagnostics(const struct rad_case *c, struct rad_diagnostics *d) {
   *d = (struct rad_diagnostics){.unknowns = c->mesh->n_point,
                                 .elements = c->mesh->n_element,
                                 .kappa = c->report.kappa,
-                                .error_indicator = c->is_adaptive ? indicator(c) : NAN,
-                                .error_bound = c->is_adaptive ? c->adaptive.bound * scale(c) : NAN,
+                                .error_indicator = c->has_bound ? indicator(c) : NAN,
+                                .error_bound = c->has_bound ? c->adaptive.bound * scale(c) : NAN,
                                 .error_bound_limit =
-                                    c->is_adaptive ? c->adaptive.bound_limit * scale(c) : NAN,
+                                    c->has_bound ? c->adaptive.bound_limit * scale(c) : NAN,
                                 .residual = c->report.residual,
                                 .iterations = c->report.iterations,
                                 .condition_estimate = c->report.condition_estimate,
                                 .converged = c->report.converged,
                                 .matrix_bytes = c->plan.matrix_bytes,
                                 .peak_memory_bytes = rad_memory_peak(),
-                                .kernel_values = c->dense.counters.kernel_values,
-                                .pairs_near = c->dense.counters.near,
-                                .pairs_far = c->dense.counters.far,
+                                .kernel_values = counters(c)->kernel_values,
+                                .pairs_near = counters(c)->near,
+                                .pairs_far = counters(c)->far,
                                 .pairs_skipped = c->dense.pairs_skipped,
                                 .seconds_scene = c->seconds_scene,
                                 .seconds_mesh = c->seconds_mesh,
@@ -326,7 +330,7 @@ enum rad_code rad_case_result(const struct rad_case *c, const char *command, str
   *r = (struct rad_result){.deck = &c->deck,
                            .scene = &c->scene,
                            .command = command,
-                           .matrix = "dense",
+                           .matrix = c->plan.matrix == RAD_MATRIX_DENSE ? "dense" : "hierarchical",
                            .solver = solver_name(c->report.solver),
                            .threads = omp_get_max_threads(),
                            .edge_exponent = exponents(c->adaptive.layout.exponents.beta),

@@ -142,16 +142,22 @@ static void print_solution(const struct rad_case *c, const struct rad_result *r,
     fprintf(out, "  mesh     adaptive, %d levels: %d elements, %d unknowns\n", c->adaptive.levels,
             c->mesh->n_element, c->mesh->n_point);
     print_passive(&c->adaptive.layout, out);
-    fprintf(out,
-            "  error    at most %.2e W/m2, %.2e of the largest radiosity; nearer than 1e-7 to "
-            "edges and "
-            "vertices %.2e\n",
-            d->error_bound, c->adaptive.bound, c->adaptive.bound_limit);
   }
-  fprintf(out, "  matrix   dense, %.3g MB; %lld near and %lld far pairs, %lld skipped%s\n",
-          c->plan.matrix_bytes / 1e6, (long long)d->pairs_near, (long long)d->pairs_far,
-          (long long)d->pairs_skipped,
-          c->is_adaptive && c->adaptive.levels > 1 ? "; the rest from the level before" : "");
+  if (c->has_bound)
+    fprintf(
+        out,
+        "  error    at most %.2e W/m2, %.2e of the largest radiosity%s; nearer than 1e-7 to edges "
+        "and vertices %.2e\n",
+        d->error_bound, c->adaptive.bound,
+        c->adaptive.bound <= c->tolerance ? "" : " (NOT THE TOLERANCE)", c->adaptive.bound_limit);
+  if (c->plan.matrix == RAD_MATRIX_HIERARCHICAL)
+    fprintf(out, "  matrix   hierarchical, %.3g MB; compression %.1e of a row, estimated %.1e\n",
+            c->plan.matrix_bytes / 1e6, c->h2.tolerance, c->h2.error);
+  else
+    fprintf(out, "  matrix   dense, %.3g MB; %lld near and %lld far pairs, %lld skipped%s\n",
+            c->plan.matrix_bytes / 1e6, (long long)d->pairs_near, (long long)d->pairs_far,
+            (long long)d->pairs_skipped,
+            c->is_adaptive && c->adaptive.levels > 1 ? "; the rest from the level before" : "");
   fprintf(out, "  solver   %s", solver_name[s->solver]);
   if (s->n_part > 1)
     fprintf(out, ", %d independent parts%s", s->n_part,
@@ -268,8 +274,9 @@ enum rad_code rad_app_check(const struct rad_command *command, struct rad_error 
   if (!code) {
     const struct rad_plan *p = &c.plan;
     print_head(&c, command->out);
-    fprintf(command->out, "  matrix   %.4g MB, dense; the run holds %.4g MB of %.4g MB available\n",
-            p->matrix_bytes / 1e6, p->bytes / 1e6, p->available / 1e6);
+    fprintf(command->out, "  matrix   %.4g MB, %s; the run holds %.4g MB of %.4g MB available\n",
+            p->matrix_bytes / 1e6, p->matrix == RAD_MATRIX_DENSE ? "dense" : "hierarchical",
+            p->bytes / 1e6, p->available / 1e6);
     fprintf(command->out, "  solver   %s\n", solver_name[p->solver]);
     fprintf(command->out,
             "  skipped  %.1f %% of %.4g point-element pairs: coplanar or facing away\n",

@@ -73,6 +73,7 @@ static enum rad_code run_row(struct study *s, int i, struct rad_error *e) {
                             s->deck.path, RAD_MAX_SET, MAX_TEXT - 1);
   for (int n = 0; n < c.notes.n && i == 0; n++)
     fprintf(s->command->log, "%s\n", c.notes.text[n]);
+  c.wants_bound = c.is_adaptive;
   if (!code)
     code = rad_case_solve(&c, e);
   if (!code) {

@@ -101,9 +101,9 @@ static enum rad_code solve_level(const struct rad_scene *scene, const struct rad
   struct rad_solve_options o = {g->solver, g->solver_tolerance, 0, a->rules.tolerance};
   if (o.tolerance == 0)
     o.tolerance = fmax(SOLVER_PART * g->tolerance, 1e-14);
+  struct rad_operator k = rad_operator_dense(&a->dense);
   return code ? code
-              : rad_solve(&a->dense, &o, scene->n_band, a->rho, a->emission, a->u, a->h, &a->report,
-                          e);
+              : rad_solve(&k, &o, scene->n_band, a->rho, a->emission, a->u, a->h, &a->report, e);
 }
 
 static double safety_of(const struct rad_scene *s) {
@@ -126,6 +126,7 @@ static void set_bound(struct rad_adaptive *a) {
 /* z = (I - rho K)^{-1} g with the largest |rho K d| of each element as g: pointwise bound. */
 static enum rad_code set_element_bound(struct rad_adaptive *a, struct rad_error *e) {
   size_t n = (size_t)a->mesh->n_point;
+  struct rad_operator k = a->h2 ? rad_operator_h2(a->h2) : rad_operator_dense(&a->dense);
   double *right = rad_alloc(n, sizeof(double)), *z = rad_alloc(n, sizeof(double));
   a->element_bound = rad_calloc((size_t)a->mesh->n_element, sizeof(double));
   enum rad_code code = RAD_OK;
@@ -135,10 +136,11 @@ static enum rad_code set_element_bound(struct rad_adaptive *a, struct rad_error 
     for (int i = 0; i < a->mesh->n_element; i++) {
       const struct rad_element *el = &a->mesh->element[i];
       for (int f = 0; f < el->n_function; f++)
-        right[el->first + f] = safety_of(a->layout.scene) * a->indicator.local[i] + 2 * a->quadrature;
+        right[el->first + f] =
+            safety_of(a->layout.scene) * a->indicator.local[i] + 2 * a->quadrature;
     }
     struct rad_linear system = {a->rho + (size_t)b * n, right, z, 1e-6, 0};
-    code = rad_gmres(&a->dense, 1, &system, e);
+    code = rad_gmres(&k, 1, &system, e);
     for (int i = 0; i < a->mesh->n_element && !code; i++) {
       const struct rad_element *el = &a->mesh->element[i];
       for (int f = 0; f < el->n_function; f++)
@@ -167,7 +169,8 @@ static enum rad_code refine(const struct rad_goal *g, struct rad_adaptive *a, st
   struct rad_refinement *what = rad_calloc((size_t)l->n_leaf, sizeof *what);
   if (!what)
     return rad_fail_memory(e, "the refinement", (double)l->n_leaf * sizeof *what);
-  double share = 0.8 * g->tolerance / (safety_of(l->scene) * fmax(a->report.inverse_norm, 1) * x->spread);
+  double share =
+      0.8 * g->tolerance / (safety_of(l->scene) * fmax(a->report.inverse_norm, 1) * x->spread);
   double over = OVERSHOOT * pow(1.15, a->levels);
   for (int i = 0; i < l->n_leaf; i++) {
     const struct rad_leaf *f = &l->leaf[i];
@@ -199,11 +202,12 @@ static double bytes(const struct rad_goal *g, const struct rad_layout *l) {
 /* With `whole`, at all check points even if the bound is far off. */
 static enum rad_code estimate(const struct rad_goal *g, int whole, struct rad_adaptive *a,
                               struct rad_error *e) {
-  double enough = FAR_OFF * g->tolerance /
-                  (safety_of(a->layout.scene) * fmax(a->report.inverse_norm, 1));
+  double enough =
+      FAR_OFF * g->tolerance / (safety_of(a->layout.scene) * fmax(a->report.inverse_norm, 1));
   rad_indicator_free(&a->indicator);
-  enum rad_code code = rad_indicate(a->mesh, &a->rules, a->dense.sees, a->layout.passive, a->u,
-                                    whole ? INFINITY : enough, &a->indicator, e);
+  enum rad_code code =
+      rad_indicate(a->mesh, &a->rules, a->layout.scene->visibility->sight, a->layout.passive, a->u,
+                   whole ? INFINITY : enough, &a->indicator, e);
   if (!code)
     set_bound(a);
   return code;
@@ -235,6 +239,19 @@ static enum rad_code level(const struct rad_scene *scene, const struct rad_goal 
   *a = before;
   snprintf(a->reason, sizeof a->reason, "the next level failed: %.200s", e->text);
   return RAD_OK;
+}
+
+enum rad_code rad_adapt_estimate(const struct rad_scene *scene, const struct rad_goal *g,
+                                 struct rad_adaptive *a, struct rad_error *e) {
+  double start = rad_seconds();
+  a->layout.scene = scene;
+  a->levels = 1;
+  a->quadrature = a->rules.tolerance;
+  enum rad_code code = estimate(g, 1, a, e);
+  if (!code)
+    code = set_element_bound(a, e);
+  a->seconds_estimate = rad_seconds() - start;
+  return code;
 }
 
 enum rad_code rad_adapt(const struct rad_scene *scene, const struct rad_goal *g,

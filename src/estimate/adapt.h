@@ -20,6 +20,7 @@ struct rad_adaptive {
   struct rad_mesh *mesh; /* owned; its address is kept by dense */
   struct rad_rules rules;
   struct rad_dense dense;
+  const struct rad_h2 *h2;        /* borrowed: in place of dense, or NULL */
   double *rho, *emission, *u, *h; /* owned [n_band, n_point] */
   struct rad_solve_report report;
   struct rad_indicator indicator;
@@ -39,6 +40,13 @@ struct rad_adaptive {
  */
 enum rad_code rad_adapt(const struct rad_scene *scene, const struct rad_goal *goal,
                         struct rad_adaptive *a, struct rad_error *e);
+/**
+ * Indicator and bounds of a mesh made by hand and solved elsewhere: a->mesh, rules, dense, rho,
+ * emission, u, h and report are given, the rest is zero.
+ */
+enum rad_code rad_adapt_estimate(const struct rad_scene *scene, const struct rad_goal *goal,
+                                 struct rad_adaptive *a, struct rad_error *e);
+
 void rad_adaptive_free(struct rad_adaptive *a); /* safe twice */
 
 #endif

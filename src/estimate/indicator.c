@@ -317,9 +317,9 @@ static enum rad_code finer_mesh(struct work *w, struct rad_error *e) {
     rad_mesh_add_patch(&w->fine, &m->patch[p]);
     for (int i = m->element_first[p]; i < m->element_first[p + 1]; i++) {
       struct rad_element el = m->element[i];
-      int more = passive(w, i)                             ? 0
+      int more = passive(w, i)                           ? 0
                  : shaded(w, rad_element_triangle(m, i)) ? RAD_MORE_SHADED
-                                                           : RAD_MORE;
+                                                         : RAD_MORE;
       el.k_phi += more;
       el.k_r += more;
       rad_mesh_add_element(&w->fine, el);

@@ -170,7 +170,7 @@ static enum rad_code start(struct krylov *s, int n, struct rad_linear *l, struct
 }
 
 /* One product for every system that still wants one; returns how many did. */
-static int multiply(const struct rad_dense *dense, int n_system, struct krylov *s) {
+static int multiply(const struct rad_operator *k, int n_system, struct krylov *s) {
   int total = 0;
   for (int first = 0; first < n_system;) {
     const double *in[RAD_MAX_PRODUCT];
@@ -182,21 +182,21 @@ static int multiply(const struct rad_dense *dense, int n_system, struct krylov *
         out[n++] = s[first].product;
       }
     if (n)
-      rad_dense_apply(dense, n, in, out);
+      rad_operator_apply(k, n, in, out);
     total += n;
   }
   return total;
 }
 
-enum rad_code rad_gmres(const struct rad_dense *dense, int n_system, struct rad_linear *system,
+enum rad_code rad_gmres(const struct rad_operator *k, int n_system, struct rad_linear *system,
                         struct rad_error *e) {
   struct krylov *s = rad_calloc((size_t)n_system, sizeof *s);
   if (!s)
     return rad_fail_memory(e, "GMRES", (double)n_system * sizeof *s);
   enum rad_code code = RAD_OK;
   for (int i = 0; i < n_system && !code; i++)
-    code = start(&s[i], dense->n, &system[i], e);
-  while (!code && multiply(dense, n_system, s))
+    code = start(&s[i], k->n, &system[i], e);
+  while (!code && multiply(k, n_system, s))
     for (int i = 0; i < n_system && !code; i++)
       if (!s[i].done)
         code = advance(&s[i], e);

@@ -2,7 +2,7 @@
 #ifndef RAD_SYSTEM_PARTS_H
 #define RAD_SYSTEM_PARTS_H
 
-#include "system/dense.h"
+#include "system/operator.h"
 
 /**
  * Components of "sees".
@@ -10,6 +10,6 @@
  * @param[out] part  [n_triangle] part of each triangle, numbered by their first triangles
  * @return their number
  */
-int rad_find_parts(const struct rad_dense *dense, int *part);
+int rad_find_parts(const struct rad_operator *k, int *part);
 
 #endif

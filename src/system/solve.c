@@ -31,19 +31,19 @@ static double max_abs(int n, const double *x) {
   return most;
 }
 
-double rad_residual(const struct rad_dense *dense, const double *rho, const double *emission,
+double rad_residual(const struct rad_operator *k, const double *rho, const double *emission,
                     const double *u, double *h, double *r) {
-  rad_dense_apply(dense, 1, &u, &h);
-  for (int i = 0; i < dense->n; i++)
+  rad_operator_apply(k, 1, &u, &h);
+  for (int i = 0; i < k->n; i++)
     r[i] = emission[i] - u[i] + rho[i] * h[i];
-  return max_abs(dense->n, r);
+  return max_abs(k->n, r);
 }
 
 /* A triangle of an independent part of the scene that is closed and has rho = 1 throughout, or -1.
  * Closed: K1 = 1 to within rounding and quadrature at every point. */
-static int find_closed_white(const struct rad_dense *dense, const double *rho, const double *k1,
+static int find_closed_white(const struct rad_operator *k, const double *rho, const double *k1,
                              double slack, int n_part, const int *part) {
-  const struct rad_mesh *mesh = dense->mesh;
+  const struct rad_mesh *mesh = k->mesh;
   int n = mesh->scene->n_triangle;
   for (int c = 0; c < n_part; c++) {
     int white = 1, first = -1;
@@ -60,26 +60,26 @@ static int find_closed_white(const struct rad_dense *dense, const double *rho, c
 }
 
 /* kappa, and refusal of scenes where light is never lost. */
-static enum rad_code check_contraction(const struct rad_dense *dense, const double *rho,
+static enum rad_code check_contraction(const struct rad_operator *k, const double *rho,
                                        double quadrature, int n_part, const int *part,
                                        double *kappa, struct rad_error *e) {
-  int n = dense->n, white = -1;
+  int n = k->n, white = -1;
   double *one = rad_alloc((size_t)n, 2 * sizeof(double));
   if (!one)
     return rad_fail_memory(e, "the solver", 16.0 * n);
   double *k1 = one + n;
   for (int i = 0; i < n; i++)
     one[i] = 1;
-  rad_dense_apply(dense, 1, (const double *const[]){one}, &k1);
+  rad_operator_apply(k, 1, (const double *const[]){one}, &k1);
   for (int i = 0; i < n; i++)
     *kappa = fmax(*kappa, rho[i] * k1[i]);
   double slack = fmax(1e-6, 20 * quadrature);
   if (*kappa > 1 - slack)
-    white = find_closed_white(dense, rho, k1, slack, n_part, part);
+    white = find_closed_white(k, rho, k1, slack, n_part, part);
   free(one);
   if (white < 0)
     return RAD_OK;
-  const struct rad_scene *scene = dense->mesh->scene;
+  const struct rad_scene *scene = k->mesh->scene;
   return rad_fail(e, RAD_ENUMERIC,
                   "the scene is singular: the part that holds triangle %d (%s) is closed and has "
                   "rho = 1 on every face, so light is never lost and no radiosity is finite; lower "
@@ -88,13 +88,13 @@ static enum rad_code check_contraction(const struct rad_dense *dense, const doub
 }
 
 /* u after a number of bounces, and the bound kappa^(b+1) / (1 - kappa) max E of the rest. */
-static void neumann(const struct rad_dense *dense, int bounces, const struct rad_linear *l,
+static void neumann(const struct rad_operator *k, int bounces, const struct rad_linear *l,
                     double *work, struct rad_solve_report *report) {
-  int n = dense->n;
+  int n = k->n;
   const double *u = l->u;
   memcpy(l->u, l->emission, sizeof(double) * (size_t)n);
   for (int b = 0; b < bounces; b++) {
-    rad_dense_apply(dense, 1, &u, &work);
+    rad_operator_apply(k, 1, &u, &work);
     for (int i = 0; i < n; i++)
       l->u[i] = l->emission[i] + l->rho[i] * work[i];
   }
@@ -106,19 +106,19 @@ static void neumann(const struct rad_dense *dense, int bounces, const struct rad
 }
 
 /* Every band by GMRES at once, with w (E = 1) as one more system each. */
-static enum rad_code gmres(const struct rad_dense *dense, double tolerance, int n_band,
+static enum rad_code gmres(const struct rad_operator *k, double tolerance, int n_band,
                            const struct rad_linear *band, double *one, double *w,
                            struct rad_solve_report *report, struct rad_error *e) {
   struct rad_linear system[2 * RAD_MAX_BAND];
-  for (int i = 0; i < dense->n; i++)
+  for (int i = 0; i < k->n; i++)
     one[i] = 1;
   for (int b = 0; b < n_band; b++) {
     system[b] = band[b];
     system[b].tolerance = tolerance;
     system[n_band + b] =
-        (struct rad_linear){band[b].rho, one, w + (size_t)b * (size_t)dense->n, tolerance, 0};
+        (struct rad_linear){band[b].rho, one, w + (size_t)b * (size_t)k->n, tolerance, 0};
   }
-  enum rad_code code = rad_gmres(dense, 2 * n_band, system, e);
+  enum rad_code code = rad_gmres(k, 2 * n_band, system, e);
   for (int b = 0; b < n_band; b++)
     report->iterations =
         report->iterations > system[b].steps ? report->iterations : system[b].steps;
@@ -126,50 +126,51 @@ static enum rad_code gmres(const struct rad_dense *dense, double tolerance, int 
 }
 
 /* The solver that was asked for, on every band; w [n_band, n] but for Neumann. */
-static enum rad_code dispatch(const struct rad_dense *dense, const struct rad_solve_options *o,
+static enum rad_code dispatch(const struct rad_operator *k, const struct rad_solve_options *o,
                               const int *part, int n_band, const struct rad_linear *band,
                               double *one, double *w, struct rad_solve_report *report,
                               struct rad_error *e) {
   enum rad_code code = RAD_OK;
   if (report->solver == RAD_SOLVER_GMRES)
-    code = gmres(dense, o->tolerance, n_band, band, one, w, report, e);
+    code = gmres(k, o->tolerance, n_band, band, one, w, report, e);
   for (int b = 0; b < n_band && !code && report->solver == RAD_SOLVER_LU; b++)
     code =
-        rad_lu(dense, report->n_part, part, &band[b], w + (size_t)b * (size_t)dense->n, report, e);
+        rad_lu(k->dense, report->n_part, part, &band[b], w + (size_t)b * (size_t)k->n, report, e);
   for (int b = 0; b < n_band && report->solver == RAD_SOLVER_NEUMANN; b++)
-    neumann(dense, o->bounces, &band[b], one, report);
+    neumann(k, o->bounces, &band[b], one, report);
   report->inverse_norm =
-      code || report->solver == RAD_SOLVER_NEUMANN ? NAN : max_abs(dense->n * n_band, w);
+      code || report->solver == RAD_SOLVER_NEUMANN ? NAN : max_abs(k->n * n_band, w);
   return code;
 }
 
-enum rad_code rad_solve(const struct rad_dense *dense, const struct rad_solve_options *options,
+enum rad_code rad_solve(const struct rad_operator *k, const struct rad_solve_options *options,
                         int n_band, const double *rho, const double *emission, double *u, double *h,
                         struct rad_solve_report *report, struct rad_error *e) {
-  size_t n = (size_t)dense->n;
-  *report = (struct rad_solve_report){.solver = rad_solver_pick(options->solver, dense->n),
+  size_t n = (size_t)k->n;
+  *report = (struct rad_solve_report){.solver = rad_solver_pick(options->solver, k->n),
                                       .condition_estimate = NAN};
+  if (report->solver == RAD_SOLVER_LU && !k->dense)
+    report->solver = RAD_SOLVER_GMRES;
   double *work = rad_alloc(((size_t)n_band + 1) * n, sizeof(double)), start = rad_seconds();
-  int *part = rad_alloc((size_t)dense->mesh->scene->n_triangle, sizeof(int));
+  int *part = rad_alloc((size_t)k->mesh->scene->n_triangle, sizeof(int));
   if (!work || !part) {
     free(work);
     free(part);
     return rad_fail_memory(e, "the solver", 8.0 * (double)n * (n_band + 1));
   }
-  report->n_part = rad_find_parts(dense, part);
+  report->n_part = rad_find_parts(k, part);
   struct rad_linear band[RAD_MAX_BAND];
   enum rad_code code = RAD_OK;
   for (int b = 0; b < n_band && !code; b++) {
     size_t at = (size_t)b * n;
     band[b] = (struct rad_linear){rho + at, emission + at, u + at, 0, 0};
-    code = check_contraction(dense, band[b].rho, options->quadrature, report->n_part, part,
+    code = check_contraction(k, band[b].rho, options->quadrature, report->n_part, part,
                              &report->kappa, e);
   }
   if (!code) {
-    code = dispatch(dense, options, part, n_band, band, work, work + n, report, e);
+    code = dispatch(k, options, part, n_band, band, work, work + n, report, e);
     for (int b = 0; b < n_band && !isnan(report->residual); b++) {
-      double r =
-          rad_residual(dense, band[b].rho, band[b].emission, band[b].u, h + (size_t)b * n, work);
+      double r = rad_residual(k, band[b].rho, band[b].emission, band[b].u, h + (size_t)b * n, work);
       report->residual = isnan(r) ? NAN : fmax(report->residual, r);
     }
     if (!code && !isfinite(report->residual))

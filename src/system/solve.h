@@ -2,7 +2,7 @@
 #ifndef RAD_SYSTEM_SOLVE_H
 #define RAD_SYSTEM_SOLVE_H
 
-#include "system/dense.h"
+#include "system/operator.h"
 
 struct rad_solve_options {
   enum rad_solver solver;
@@ -27,7 +27,7 @@ struct rad_solve_report {
 
 enum { RAD_LU_UNKNOWNS = 600 }; /* auto: LU up to here, GMRES beyond */
 
-/* The solver that `auto` stands for. */
+/* The solver that `auto` stands for, with a dense matrix; without one LU becomes GMRES. */
 enum rad_solver rad_solver_pick(enum rad_solver asked, double n);
 
 /* Bytes that a run holds at once: the matrix, and LU's copy of it or GMRES's vectors. */
@@ -41,7 +41,7 @@ double rad_solver_bytes(enum rad_solver used, double n, int n_band);
  * @param[out] h    [n_band, n] irradiance K u at the points [W/m2]
  * @return RAD_ENUMERIC for a closed scene with rho = 1, a singular matrix, or no convergence
  */
-enum rad_code rad_solve(const struct rad_dense *dense, const struct rad_solve_options *options,
+enum rad_code rad_solve(const struct rad_operator *k, const struct rad_solve_options *options,
                         int n_band, const double *rho, const double *emission, double *u, double *h,
                         struct rad_solve_report *report, struct rad_error *e);
 
@@ -64,11 +64,11 @@ enum rad_code rad_lu(const struct rad_dense *dense, int n_part, const int *part,
  *
  * Each ends when its true residual, recomputed from K, is below its tolerance times max |u|.
  */
-enum rad_code rad_gmres(const struct rad_dense *dense, int n_system, struct rad_linear *system,
+enum rad_code rad_gmres(const struct rad_operator *k, int n_system, struct rad_linear *system,
                         struct rad_error *e);
 
 /* r = E - u + rho K u, its largest entry; h = K u. All [n]. */
-double rad_residual(const struct rad_dense *dense, const double *rho, const double *emission,
+double rad_residual(const struct rad_operator *k, const double *rho, const double *emission,
                     const double *u, double *h, double *r);
 
 #endif

@@ -1,4 +1,4 @@
-/* Which triangles can see each other at all, and which scenes need shadows. */
+/* Which triangles can see each other at all, leaving aside what stands between. */
 #ifndef RAD_VISIBILITY_FACING_H
 #define RAD_VISIBILITY_FACING_H
 
@@ -24,21 +24,5 @@ enum rad_side_of_plane rad_side_of(const struct rad_triangle *i, const struct ra
 
 /* True if some point of i and some point of j are in front of each other. Symmetric. */
 int rad_faces(const struct rad_triangle *i, const struct rad_triangle *j);
-
-/**
- * Find three triangles i, j, k such that k may cast a shadow between i and j.
- *
- * Conservative and sharp for triangles: conv(i u j), each cut at the other's plane, is the union of
- * all segments between them, and k casts no shadow iff a plane separates it (weakly) from that
- * hull. Overlaps below 1e-10 of the scene's size are rounding and count as separated. Weakly
- * separated are thus all neighbours in a convex scene, and the back of a slit from everything its
- * front sees.
- *
- * @param[out] found  {i, j, k}, i < j: the first in that order; untouched if there is none
- * @return 1 if found, else 0. Cost n n_vertex + n^2, and for every pair that faces each other a
- *         bounding-box test and at most 150 separating axes for each triangle whose plane cuts
- *         the scene. A convex scene has no such triangle.
- */
-int rad_find_shadow(const struct rad_scene *scene, int found[3]);
 
 #endif

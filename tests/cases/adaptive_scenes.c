@@ -73,3 +73,13 @@ const char *adaptive_scene(int i, struct deck_text *d) {
     box30(d);
   return name[i];
 }
+
+void blocker_scene(struct deck_text *d) {
+  static const double low[4][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}},
+                      high[4][3] = {{0, 0, 1}, {0, 1, 1}, {1, 1, 1}, {1, 0, 1}},
+                      block[3][3] = {{.2, .3, .5}, {.75, .25, .45}, {.45, .8, .6}};
+  deck_begin(d);
+  deck_polygon(d, "low", 4, low, 0.7, 1);
+  deck_polygon(d, "high", 4, high, 0.7, 0.2);
+  deck_polygon(d, "block", 3, block, 0.5, 0);
+}

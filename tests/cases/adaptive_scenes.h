@@ -10,6 +10,9 @@ enum { N_ADAPTIVE_SCENE = 10 };
 /* The deck of scene i, without `accuracy`; returns its name. */
 const char *adaptive_scene(int i, struct deck_text *d);
 
+/* Two squares with a triangle between them. */
+void blocker_scene(struct deck_text *d);
+
 extern const double face_s1[3][3][3];
 void three_faces(struct deck_text *d, const double face[3][3][3], const double rho[3],
                  const double e[3]);

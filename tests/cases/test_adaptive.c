@@ -185,6 +185,62 @@ START_TEST(edge_limit) {
 }
 END_TEST
 
+/* u* at random points of every triangle. */
+static double *star_at_random(const struct rad_scene *s, const struct rad_adaptive *a, int each) {
+  int n = s->n_triangle * each;
+  int *triangle = malloc(sizeof(int) * (size_t)n), *base = calloc((size_t)n, sizeof(int));
+  double(*mu)[2] = malloc(sizeof *mu * (size_t)n), *u = malloc(sizeof *u * (size_t)n);
+  srand48(2003);
+  for (int i = 0; i < n; i++) {
+    double x = drand48(), y = drand48();
+    triangle[i] = i / each;
+    mu[i][0] = x + y > 1 ? 1 - x : x;
+    mu[i][1] = x + y > 1 ? 1 - y : y;
+  }
+  struct rad_point_list list = {n, triangle, base, (const double(*)[2])mu};
+  struct rad_error e;
+  ck_assert_int_eq(rad_irradiance_at(a->mesh, &a->rules, a->dense.sees, &list, 1, a->u, u, &e),
+                   RAD_OK);
+  rad_iterated(s, &list, u, u);
+  free(triangle);
+  free(base);
+  free(mu);
+  return u;
+}
+
+/* A triangle in general position between two squares: kinks along its shadow's borders. */
+START_TEST(shadows) {
+  static const double tolerance[] = {1e-2, 1e-3, 1e-4, 3e-5}, reference = 3e-6;
+  enum { EACH = 400 };
+  struct deck_text *d = malloc(sizeof *d);
+  struct rad_case c;
+  struct rad_error e;
+  struct rad_adaptive a;
+  double most = 0;
+  blocker_scene(d);
+  ck_assert_int_eq(deck_prepare(d, &c, &e), RAD_OK);
+  ck_assert_int_gt((int)c.visibility.n_partly, 0);
+  adapt(&c.scene, reference, &a);
+  double *exact = star_at_random(&c.scene, &a, EACH);
+  rad_adaptive_free(&a);
+  for (int i = 0; i < c.scene.n_triangle * EACH; i++)
+    most = fmax(most, exact[i]);
+  for (int t = 0; t < 4; t++) {
+    adapt(&c.scene, tolerance[t], &a);
+    double *u = star_at_random(&c.scene, &a, EACH), error = 0;
+    for (int i = 0; i < c.scene.n_triangle * EACH; i++)
+      error = fmax(error, fabs(u[i] - exact[i]) / most);
+    ck_assert_msg(error <= tolerance[t] && error <= a.bound && a.bound <= 30 * error,
+                  "tolerance %g: true error %g, bound %g", tolerance[t], error, a.bound);
+    free(u);
+    rad_adaptive_free(&a);
+  }
+  free(exact);
+  rad_case_free(&c);
+  free(d);
+}
+END_TEST
+
 /* Black faces have no rows, unlit ones no light: the rest is as before. */
 START_TEST(black_and_unlit_faces) {
   static const double rho[3] = {0, 0.5, 0.5}, emission[3] = {1, 0, 0};
@@ -241,6 +297,7 @@ int main(void) {
   tcase_add_loop_test(c, meets_tolerances, 0, N_ADAPTIVE_SCENE);
   tcase_add_test(c, vertex_limit);
   tcase_add_test(c, edge_limit);
+  tcase_add_test(c, shadows);
   tcase_add_test(c, black_and_unlit_faces);
   tcase_add_test(c, unreachable);
   suite_add_tcase(s, c);

@@ -16,34 +16,44 @@
 static const char *const method =
     "method: {mesh: uniform, elements: 1, degree: 0, solver: %s, quadrature_tolerance: %g}\n";
 
-/* A corner of square (i, j) of n x n on a face of the box a x b x c, seen from inside. */
-static void put_corner(FILE *f, int face, int n, int i, int j, const double size[3],
-                       const char *end) {
-  int axis = face / 2, back = face % 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
+/* A box [low, low + size] of 12 n^2 facets; turned: seen from outside. */
+struct box {
+  int n, turned;
+  const double *low, *size;
+};
+
+/* A corner of square (i, j) of n x n on a face. */
+static void put_corner(FILE *f, const struct box *b, int face, int i, int j, const char *end) {
+  int axis = face / 2, back = (face + b->turned) % 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
   double x[3];
-  x[axis] = back ? size[axis] : 0;
-  x[u] = size[u] * (back ? j : i) / n;
-  x[v] = size[v] * (back ? i : j) / n;
+  x[axis] = b->low[axis] + (face % 2 ? b->size[axis] : 0);
+  x[u] = b->low[u] + b->size[u] * (back ? j : i) / b->n;
+  x[v] = b->low[v] + b->size[v] * (back ? i : j) / b->n;
   fprintf(f, "[%.17g, %.17g, %.17g]%s", x[0], x[1], x[2], end);
 }
 
-/* A closed box of 12 n^2 facets; rho and E differ by face, or are 0.5 and 1. */
-static void solve_box(int n, const double size[3], int varied, double tolerance,
-                      struct rad_case *c) {
+/* rho and E differ by face, or are 0.5 and 1. */
+static void put_box(FILE *f, const struct box *b, int varied) {
   static const int step[2][3][2] = {{{0, 0}, {1, 0}, {1, 1}}, {{0, 0}, {1, 1}, {0, 1}}};
-  char path[] = "/tmp/polyrad_facets_XXXXXX";
-  int file = mkstemp(path);
-  FILE *f = file < 0 ? NULL : fdopen(file, "w");
-  ck_assert_ptr_nonnull(f);
-  fprintf(f, "scene:\n  triangles:\n");
+  int n = b->n;
   for (int k = 0; k < 12 * n * n; k++) {
     int face = k / (2 * n * n), i = k / (2 * n) % n, j = k / 2 % n;
     fprintf(f, "    - {name: f%d, rho: %g, emission: %d, vertices: [", face,
             varied ? 0.2 + 0.1 * face : 0.5, varied ? face % 3 : 1);
     for (int v = 0; v < 3; v++)
-      put_corner(f, face, n, i + step[k % 2][v][0], j + step[k % 2][v][1], size,
-                 v < 2 ? ", " : "]}\n");
+      put_corner(f, b, face, i + step[k % 2][v][0], j + step[k % 2][v][1], v < 2 ? ", " : "]}\n");
   }
+}
+
+static void solve_boxes(int n_box, const struct box *box, int varied, double tolerance,
+                        struct rad_case *c) {
+  char path[] = "/tmp/polyrad_facets_XXXXXX";
+  int file = mkstemp(path);
+  FILE *f = file < 0 ? NULL : fdopen(file, "w");
+  ck_assert_ptr_nonnull(f);
+  fprintf(f, "scene:\n  triangles:\n");
+  for (int b = 0; b < n_box; b++)
+    put_box(f, &box[b], varied);
   fprintf(f, method, "gmres", tolerance);
   fclose(f);
   struct rad_error e;
@@ -52,6 +62,12 @@ static void solve_box(int n, const double size[3], int varied, double tolerance,
   code = code ? code : rad_case_solve(c, &e);
   ck_assert_msg(code == RAD_OK, "%s", e.text);
   ck_assert(rad_mesh_is_facets(c->mesh));
+}
+
+static void solve_box(int n, const double size[3], int varied, double tolerance,
+                      struct rad_case *c) {
+  static const double origin[3] = {0, 0, 0};
+  solve_boxes(1, &(struct box){n, 0, origin, size}, varied, tolerance, c);
 }
 
 static const double cube[3] = {1, 1, 1}, slab[3] = {1e-3, 2, 0.7}, dust[3] = {1e-9, 1e-9, 3e-9};
@@ -69,6 +85,25 @@ START_TEST(row_sums) {
       sum += c.dense.k[i + (size_t)n * j];
     }
     ck_assert_double_eq_tol(sum, 1, 1e-12);
+  }
+  rad_case_free(&c);
+}
+END_TEST
+
+/* A closed box with a box in it: a row sums to 1 if every shadow is right, to rounding. */
+START_TEST(box_in_a_box) {
+  static const double origin[3] = {0, 0, 0}, low[3] = {0.3, 0.21, 0.35}, size[3] = {0.4, 0.5, 0.3};
+  const struct box box[2] = {{8, 0, origin, cube}, {6, 1, low, size}};
+  struct rad_case c;
+  solve_boxes(2, box, 1, 1e-10, &c);
+  int n = c.dense.n;
+  ck_assert_int_eq(n, 1200);
+  ck_assert_int_gt((int)c.visibility.n_partly, 10000);
+  for (int i = 0; i < n; i++) {
+    double sum = 0;
+    for (int j = 0; j < n; j++)
+      sum += c.dense.k[i + (size_t)n * j];
+    ck_assert_msg(fabs(sum - 1) <= 1e-11, "row %d: 1 + %g", i, sum - 1);
   }
   rad_case_free(&c);
 }
@@ -174,6 +209,7 @@ int main(void) {
   Suite *suite = suite_create("facets");
   TCase *tc = tcase_create("boxes");
   tcase_set_timeout(tc, 120);
+  tcase_add_test(tc, box_in_a_box);
   tcase_add_loop_test(tc, row_sums, 0, 3);
   tcase_add_loop_test(tc, agrees_with_the_general_path, 0, 3);
   tcase_add_test(tc, across_horizons);

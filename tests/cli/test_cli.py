@@ -419,7 +419,8 @@ class Memory(Case):
 
     def look(self, verb):
         started = time.monotonic()
-        text = self.refused(3, verb, CORNER, "--set", "method.elements=32", quiet=False,
+        text = self.refused(3, verb, CORNER, "--set", "method.elements=32", "--set",
+                            "method.matrix=dense", quiet=False,
                             preexec_fn=limit_memory(1500 * 1000 * 1000))
         self.assertLess(time.monotonic() - started, 10)
         found = re.search(r"needs (\S+) GB of memory.* (\S+) GB are available", text)

@@ -15,7 +15,8 @@ FACES = np.array(
 )
 NORMALS = np.array([[0, 0, 1], [1, 0, 0], [0, 1, 0]], float)
 EMISSION = np.array([0.5, 1.0, 0.3])
-DECK = "title: Cube corner, made up   # for tests\nbands: [red, green]\nscene: {}\n"
+DECK = "title: Cube corner, made up   # for tests\nscene: {}\n"
+BANDS = ["red", "green", "blue"]
 
 
 def radiosity(points: np.ndarray, face: np.ndarray) -> np.ndarray:
@@ -45,24 +46,54 @@ def cells(n: int) -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate(made), np.concatenate(face)
 
 
+def write_grid(file: h5py.File, quads: np.ndarray) -> h5py.Group:
+    """Quadrilaterals [m,4,3] that share no points."""
+    vtk = file.create_group("VTKHDF")
+    vtk.attrs["Version"] = [2, 0]
+    vtk.attrs["Type"] = np.bytes_("UnstructuredGrid")
+    vtk["Points"] = quads.reshape(-1, 3)
+    vtk["Connectivity"] = np.arange(4 * len(quads))
+    vtk["Offsets"] = np.arange(len(quads) + 1) * 4
+    vtk["Types"] = np.full(len(quads), 9, np.uint8)
+    for name, n in {"Points": 4, "Cells": 1, "ConnectivityIds": 4}.items():
+        vtk[f"NumberOf{name}"] = [n * len(quads)]
+    return vtk
+
+
+def write_box(path: Path, sides: list[str], color: np.ndarray, bands=BANDS) -> Path:
+    """Sides -x .. +z of the cube [0,1]^3 that radiate inwards, each of one colour [side, band]."""
+    quads, normals = [], []
+    for side in sides:
+        axis, high = "xyz".index(side[1]), side[0] == "+"
+        square = np.insert([[0.0, 0], [1, 0], [1, 1], [0, 1]], axis, high, axis=1)
+        quads.append(square)
+        normals.append(np.eye(3)[axis] * (-1 if high else 1))
+    quads = np.array(quads)
+    with h5py.File(path, "w") as file:
+        vtk = write_grid(file, quads)
+        vtk["CellData/triangle"] = 2 * np.arange(len(sides))
+        vtk["PointData/radiosity"] = np.repeat(color, 4, axis=0)
+        group = file.create_group("polyrad")
+        group.attrs["bands"] = bands
+        group["triangles/vertices"] = quads[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3, 3)
+        group["triangles/normal"] = np.repeat(normals, 2, axis=0)
+    return path
+
+
 def write(path: Path, n: int = 8, bands: int = 1) -> Path:
     quads, face = cells(n)
     points = quads.reshape(-1, 3)
     u = radiosity(points, face.repeat(4))
     u = np.stack([u * (b + 1) for b in range(bands)], axis=1) if bands > 1 else u
     with h5py.File(path, "w") as file:
-        vtk = file.create_group("VTKHDF")
-        vtk.attrs["Type"] = np.bytes_("UnstructuredGrid")
-        vtk["Points"] = points
-        vtk["Connectivity"] = np.arange(len(points))
-        vtk["Offsets"] = np.arange(len(quads) + 1) * 4
-        vtk["Types"] = np.full(len(quads), 9, np.uint8)
+        vtk = write_grid(file, quads)
         vtk["CellData/triangle"] = face
         for name, values in {"radiosity": u, "irradiance": 2 * u}.items():
             vtk[f"PointData/{name}"] = values
             vtk[f"PointData/{name}"].attrs["unit"] = "W/m2"
         group = file.create_group("polyrad")
-        group.attrs["deck"] = DECK if bands > 1 else DECK.replace("bands: [red, green]\n", "")
+        group.attrs["deck"] = DECK
+        group.attrs["bands"] = BANDS[:bands] if bands > 1 else ["all"]
         group["triangles/vertices"] = FACES
         group["triangles/normal"] = NORMALS
         middle = quads.mean(axis=1)

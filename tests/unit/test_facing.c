@@ -3,12 +3,14 @@
 #include <check.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/vec.h"
 #include "scene_help.h"
 #include "suite.h"
 #include "visibility/facing.h"
+#include "visibility/visibility.h"
 
 /* --- facing --- */
 
@@ -126,37 +128,83 @@ END_TEST
 
 /* --- scenes without a shadow --- */
 
-/* The deck's scene has a shadow or not, as expected; into found which. */
-static void expect_shadow(struct rad_deck *deck, int expected, int found[3], const char *what) {
-  struct rad_scene scene = build_scene(deck);
-  for (int m = 0; m < 3; m++)
-    found[m] = -7;
-  int got = rad_find_shadow(&scene, found);
-  ck_assert_msg(got == expected, "%s: found %d (%d %d %d), seed %llu", what, got, found[0],
-                found[1], found[2], seed());
-  if (!got)
-    ck_assert(found[0] == -7 && found[1] == -7 && found[2] == -7);
-  rad_scene_free(&scene);
+/* A deck's scene, and the first pair that sees less of each other than all. */
+struct shadow {
+  struct rad_scene scene;
+  struct rad_visibility visibility;
+  int i, j;     /* -1 if there is none */
+  int n, *list; /* occluders that may stand between, if they see one another in part */
+};
+
+static struct shadow *look_for_shadow(struct rad_deck *deck) {
+  struct shadow *s = calloc(1, sizeof *s);
+  struct rad_error e;
+  ck_assert_ptr_nonnull(s);
+  s->scene = build_scene(deck);
+  ck_assert_int_eq(rad_visibility_build(&s->scene, &s->visibility, &e), RAD_OK);
+  s->list = malloc(sizeof(int) * (size_t)s->visibility.occluders.n);
+  int n = s->scene.n_triangle;
+  for (s->i = 0; s->i < n; s->i++)
+    for (s->j = s->i + 1; s->j < n; s->j++)
+      if (rad_faces(&s->scene.triangle[s->i], &s->scene.triangle[s->j]) &&
+          s->visibility.sight[s->i * n + s->j] != RAD_FREE) {
+        rad_sight_between(&s->visibility.occluders, s->i, s->j, s->list, &s->n);
+        return s;
+      }
+  ck_assert_int_eq(s->visibility.n_partly, 0);
+  s->i = s->j = -1;
+  return s;
+}
+
+/* Whether the plane of triangles first .. last may cast that shadow. */
+static int blocks(const struct shadow *s, int first, int last) {
+  const struct rad_occluders *o = &s->visibility.occluders;
+  int found = 0;
+  for (int k = 0; k < s->n; k++)
+    for (int t = first; t <= last; t++)
+      found |= o->occluder[s->list[k]].plane == o->plane[t];
+  return found;
+}
+
+static void free_shadow(struct shadow *s) {
+  rad_visibility_free(&s->visibility);
+  rad_scene_free(&s->scene);
+  free(s->list);
+  free(s);
+}
+
+/* Every pair that faces one another is free. */
+static void expect_no_shadow(struct rad_deck *deck, const char *what) {
+  struct shadow *s = look_for_shadow(deck);
+  ck_assert_msg(s->i < 0, "%s: something is between %d and %d, seed %llu", what, s->i, s->j,
+                seed());
+  free_shadow(s);
+}
+
+/* To be freed with free_shadow. */
+static struct shadow *expect_shadow(struct rad_deck *deck, const char *what) {
+  struct shadow *s = look_for_shadow(deck);
+  ck_assert_msg(s->i >= 0, "%s: no shadow, seed %llu", what, seed());
+  return s;
 }
 
 START_TEST(convex_scenes_have_no_shadow) {
   static const double corner[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   static const int tetrahedron[4][3] = {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}};
   static const enum rad_side side[3] = {RAD_SIDE_FRONT, RAD_SIDE_BACK, RAD_SIDE_BOTH};
-  int found[3];
   start_random();
   for (int k = 0; k < 150; k++) {
     struct motion motion = random_motion(3);
     struct rad_deck deck = {0};
     add_cube(&deck, &motion, side[k % 3]);
-    expect_shadow(&deck, 0, found, "cube");
+    expect_no_shadow(&deck, "cube");
     for (int t = 0; t < 4; t++) {
       double v[3][3];
       for (int m = 0; m < 3; m++)
         memcpy(v[m], corner[tetrahedron[t][m]], sizeof v[m]);
       add_moved(&deck, &motion, v, side[k % 3]);
     }
-    expect_shadow(&deck, 0, found, "tetrahedron");
+    expect_no_shadow(&deck, "tetrahedron");
     double gon[12][2];
     int cap[10][3];
     for (int c = 0; c < 12; c++) {
@@ -166,7 +214,7 @@ START_TEST(convex_scenes_have_no_shadow) {
         memcpy(cap[c], ((int[3]){0, c + 1, c + 2}), sizeof cap[c]);
     }
     add_prism(&deck, &motion, 12, gon, 10, cap, 0, pow(10, uniform(-2, 2)), side[k % 3]);
-    expect_shadow(&deck, 0, found, "drum");
+    expect_no_shadow(&deck, "drum");
   }
 }
 END_TEST
@@ -179,14 +227,13 @@ START_TEST(surfaces_of_the_paper_have_no_shadow) {
                                              {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
                                               {{0, 0, 0}, {0, 1, 0}, {1, 1, 1}},
                                               {{0, 0, 0}, {1, 1, 1}, {1, 0, 0}}}};
-  int found[3];
   start_random();
   for (int k = 0; k < 200; k++) {
     struct motion motion = random_motion(3);
     struct rad_deck deck = {0};
     for (int t = 0; t < 3; t++) /* the right-hand normals are the paper's */
       add_moved(&deck, &motion, surface[k % 2][t], RAD_SIDE_FRONT);
-    expect_shadow(&deck, 0, found, k % 2 ? "S2" : "S1");
+    expect_no_shadow(&deck, k % 2 ? "S2" : "S1");
   }
 }
 END_TEST
@@ -194,7 +241,6 @@ END_TEST
 /* Planes of one body cut the other, so that every triangle is tried: but whatever a body's face
  * sees, the body is behind it. Likewise the two walls in the notch of an L seen from outside. */
 START_TEST(bodies_seen_from_outside_have_no_shadow) {
-  int found[3];
   start_random();
   for (int k = 0; k < 100; k++) {
     struct motion motion = random_motion(3), other = random_motion(3);
@@ -206,9 +252,9 @@ START_TEST(bodies_seen_from_outside_have_no_shadow) {
     struct rad_deck deck = {0};
     add_cube(&deck, &motion, RAD_SIDE_FRONT);
     add_cube(&deck, &other, RAD_SIDE_FRONT);
-    expect_shadow(&deck, 0, found, "two cubes");
+    expect_no_shadow(&deck, "two cubes");
     add_prism(&deck, &motion, 6, ELL, 4, ELL_CAP, 0, 1, RAD_SIDE_FRONT);
-    expect_shadow(&deck, 0, found, "L from outside");
+    expect_no_shadow(&deck, "L from outside");
   }
 }
 END_TEST
@@ -229,38 +275,41 @@ static void add_squares(struct rad_deck *deck, const struct motion *motion, enum
 
 /* The blocker's edge reaches by 1e-6 into the space between the squares, or misses it by that. */
 START_TEST(parallel_squares_with_a_blocker) {
-  int found[3];
   start_random();
   for (int k = 0; k < 100; k++) {
     struct motion motion = random_motion(3);
     struct rad_deck deck = {0};
     enum rad_side floor = k % 3 ? RAD_SIDE_FRONT : RAD_SIDE_BOTH;
     add_squares(&deck, &motion, floor);
-    expect_shadow(&deck, 0, found, "squares");
+    expect_no_shadow(&deck, "squares");
     for (int n = 0; n < 3; n++) {
       double x = n == 0 ? 0.3 : n == 1 ? 1 - 1e-6 : 1 + 1e-6;
       const double tip[3][3] = {{x, 0.4, 0.5}, {3, 0.2, 0.6}, {3, 0.7, 0.4}};
       const double edge[3][3] = {{x, 0.2, 0.4}, {x, 0.7, 0.5}, {3, 0.5, 0.5}};
       add_squares(&deck, &motion, floor);
       add_moved(&deck, &motion, k % 2 ? tip : edge, k % 4 < 2 ? RAD_SIDE_FRONT : RAD_SIDE_BOTH);
-      expect_shadow(&deck, n < 2, found, "squares and a blocker");
-      if (n < 2)
-        ck_assert_int_ge(found[2], floor == RAD_SIDE_BOTH ? 6 : 4);
+      if (n == 2) {
+        expect_no_shadow(&deck, "squares and a blocker beside");
+        continue;
+      }
+      struct shadow *s = expect_shadow(&deck, "squares and a blocker");
+      ck_assert(blocks(s, floor == RAD_SIDE_BOTH ? 6 : 4, s->scene.n_triangle - 1));
+      free_shadow(s);
     }
   }
 }
 END_TEST
 
 START_TEST(non_convex_rooms_have_shadows) {
-  int found[3];
   start_random();
   for (int k = 0; k < 50; k++) {
     struct motion motion = random_motion(3);
     struct rad_deck deck = {0};
     add_prism(&deck, &motion, 6, ELL, 4, ELL_CAP, 0, 1, RAD_SIDE_BACK);
-    expect_shadow(&deck, 1, found, "L from inside");
+    struct shadow *s = expect_shadow(&deck, "L from inside");
     /* the walls at the reflex edge are those of polygon edges 2 and 3: triangles 4 to 7 */
-    ck_assert(found[2] >= 4 && found[2] <= 7);
+    ck_assert(blocks(s, 4, 7));
+    free_shadow(s);
   }
 }
 END_TEST
@@ -275,7 +324,6 @@ START_TEST(a_reflex_edge_shadows_some_pairs) {
   static const double lamp[2][3][3] = {{{0, -1, 1}, {0, 1, 1}, {-2, 0, 1}},
                                        {{0, -1, 1}, {2, 0, 1}, {0, 1, 1}}};
   static const double normal[4][3] = {{0, 0, 1}, {0, 0, -1}, {0, 0, 1}, {1, 0, 0}};
-  int found[3];
   start_random();
   for (int k = 0; k < 100; k++) {
     int over_ground = k % 2, with_riser = k % 4 < 2;
@@ -289,9 +337,13 @@ START_TEST(a_reflex_edge_shadows_some_pairs) {
     for (int t = 0; t < deck.n_triangle; t++)
       for (int d = 0; d < 3; d++)
         deck.triangle[t].optics.normal[d] = rad_dot(motion.axis[d], normal[t]);
-    expect_shadow(&deck, !over_ground, found, over_ground ? "over the ground" : "over the tread");
-    if (!over_ground)
-      ck_assert(found[0] == 0 && found[1] == 1 && found[2] == 2);
+    if (over_ground) {
+      expect_no_shadow(&deck, "over the ground");
+      continue;
+    }
+    struct shadow *s = expect_shadow(&deck, "over the tread");
+    ck_assert(s->i == 0 && s->j == 1 && blocks(s, 2, 2));
+    free_shadow(s);
   }
 }
 END_TEST

@@ -1,5 +1,4 @@
-/* Which scenes have shadows: hulls that a triangle touches or enters; and random segments as an
- * independent oracle. */
+/* Hulls of two triangles that a third one touches or enters: only the latter is a shadow. */
 #include <check.h>
 #include <math.h>
 #include <stdio.h>
@@ -8,7 +7,7 @@
 #include "base/vec.h"
 #include "scene_help.h"
 #include "suite.h"
-#include "visibility/facing.h"
+#include "visibility/occluder.h"
 
 /* --- hulls that a third triangle touches or enters --- */
 
@@ -74,15 +73,21 @@ static void random_pair(struct pair *p) {
            depth(p->corner[1], p->n[1], &p->t[0]) < 0.05);
 }
 
-/* Whether t[2] is reported to shadow t[0] and t[1]; that pair comes first in rad_find_shadow. */
+/* Whether t[2] may keep t[0] and t[1] from seeing something of one another. */
 static int third_shadows(struct pair *p) {
   double vertex[9][3];
   for (int m = 0; m < 9; m++)
     memcpy(vertex[m], p->t[m / 3].v[m % 3], sizeof vertex[m]);
   struct rad_scene scene = {.n_triangle = 3, .n_vertex = 9, .triangle = p->t, .size = 1.7};
   scene.vertex = vertex;
-  int found[3] = {-1, -1, -1};
-  return rad_find_shadow(&scene, found) && found[0] == 0 && found[1] == 1 && found[2] == 2;
+  struct rad_occluders o;
+  struct rad_error e;
+  int list[3], n;
+  ck_assert_int_eq(rad_occluders_build(&scene, &o, &e), RAD_OK);
+  enum rad_sight sight = rad_sight_between(&o, 0, 1, list, &n);
+  ck_assert(sight != RAD_PARTLY || (n == 1 && o.occluder[list[0]].plane == o.plane[2]));
+  rad_occluders_free(&o);
+  return sight != RAD_FREE;
 }
 
 /* The greatest value of direction . x on the hull, and where. */
@@ -174,114 +179,12 @@ START_TEST(lying_on_the_hull_is_no_shadow) {
 }
 END_TEST
 
-/* --- random segments --- */
-
-static void random_point(const struct rad_triangle *t, double x[3]) {
-  double a = uniform(0, 1), b = uniform(0, 1);
-  if (a + b > 1) {
-    a = 1 - a;
-    b = 1 - b;
-  }
-  for (int d = 0; d < 3; d++)
-    x[d] = t->v[0][d] + a * (t->v[1][d] - t->v[0][d]) + b * (t->v[2][d] - t->v[0][d]);
-}
-
-/* Solve x + s (y - x) = v0 + a (v1 - v0) + b (v2 - v0) by Cramer's rule; a margin of 1e-6. */
-static int hits(const double x[3], const double y[3], const struct rad_triangle *t) {
-  double r[3], u[3], v[3], w[3], vw[3], ru[3];
-  rad_sub(y, x, r);
-  rad_sub(t->v[1], t->v[0], u);
-  rad_sub(t->v[2], t->v[0], v);
-  rad_sub(x, t->v[0], w);
-  rad_cross(r, v, vw);
-  double det = rad_dot(u, vw);
-  if (fabs(det) < 1e-9)
-    return 0;
-  double a = rad_dot(w, vw) / det;
-  rad_cross(w, u, ru);
-  double b = rad_dot(r, ru) / det, s = rad_dot(v, ru) / det, margin = 1e-6;
-  return a > margin && b > margin && a + b < 1 - margin && s > margin && s < 1 - margin;
-}
-
-/* Segments between points that face each other; if any is hit there must be a shadow. */
-static int sampled_shadow(const struct rad_scene *scene, int n_sample) {
-  for (int k = 0; k < n_sample; k++) {
-    int i = (int)uniform(0, scene->n_triangle), j = (int)uniform(0, scene->n_triangle);
-    const struct rad_triangle *t = scene->triangle;
-    double x[3], y[3], r[3];
-    random_point(&t[i], x);
-    random_point(&t[j], y);
-    rad_sub(y, x, r);
-    if (i == j || rad_dot(r, t[i].normal) < 1e-6 || rad_dot(r, t[j].normal) > -1e-6)
-      continue;
-    ck_assert_msg(rad_faces(&t[i], &t[j]), "%d and %d face, seed %llu", i, j, seed());
-    for (int o = 0; o < scene->n_triangle; o++)
-      if (o != i && o != j && hits(x, y, &t[o]))
-        return 1;
-  }
-  return 0;
-}
-
-START_TEST(agrees_with_random_segments) {
-  start_random();
-  int n_shadow = 0, n_sampled = 0, n_clear = 0;
-  for (int k = 0; k < 1000; k++) {
-    struct rad_triangle t[6] = {0};
-    double vertex[18][3];
-    int n = 3 + k % 4;
-    double reach = uniform(0.2, 1);
-    for (int i = 0; i < n; i++) {
-      double center[3];
-      for (int d = 0; d < 3; d++)
-        center[d] = uniform(0, 1);
-      do {
-        for (int m = 0; m < 9; m++)
-          t[i].v[m / 3][m % 3] = center[m % 3] + reach * uniform(-1, 1);
-        set_triangle(&t[i], i);
-      } while (t[i].area < 0.01 * reach * reach);
-      memcpy(vertex[3 * i], t[i].v, sizeof t[i].v);
-    }
-    struct rad_scene scene = {.n_triangle = n, .n_vertex = 3 * n, .triangle = t, .size = 2};
-    scene.vertex = vertex;
-    int found[3];
-    int shadow = rad_find_shadow(&scene, found), sampled = sampled_shadow(&scene, 2000);
-    ck_assert_msg(shadow || !sampled, "step %d: missed, seed %llu", k, seed());
-    n_shadow += shadow;
-    n_sampled += sampled;
-    n_clear += !shadow;
-  }
-  printf("random scenes: %d with a shadow, %d of them seen by segments, %d without\n", n_shadow,
-         n_sampled, n_clear);
-  ck_assert(n_sampled > 200 && n_clear > 100);
-}
-END_TEST
-
-/* The oracle itself sees the shadows in the L and none in the cube. */
-START_TEST(segments_agree_on_known_scenes) {
-  start_random();
-  struct motion motion = random_motion(3);
-  motion.scale = 1;
-  for (int convex = 0; convex < 2; convex++) {
-    struct rad_deck deck = {0};
-    if (convex)
-      add_cube(&deck, &motion, RAD_SIDE_BACK);
-    else
-      add_prism(&deck, &motion, 6, ELL, 4, ELL_CAP, 0, 1, RAD_SIDE_BACK);
-    struct rad_scene scene = build_scene(&deck);
-    ck_assert_int_eq(sampled_shadow(&scene, 50000), !convex);
-    rad_scene_free(&scene);
-  }
-}
-END_TEST
-
 int main(void) {
   printf("seed %llu (set RAD_TEST_SEED to change)\n", seed());
   Suite *suite = suite_create("hull");
   TCase *tests = tcase_create("hull");
   tcase_add_test(tests, touching_the_hull_is_no_shadow);
   tcase_add_test(tests, lying_on_the_hull_is_no_shadow);
-  tcase_add_test(tests, agrees_with_random_segments);
-  tcase_add_test(tests, segments_agree_on_known_scenes);
   tcase_set_timeout(tests, 120);
   suite_add_tcase(suite, tests);
   return run_suite(suite);

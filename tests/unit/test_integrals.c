@@ -7,6 +7,8 @@
 
 #include "base/vec.h"
 #include "integrate/element.h"
+#include "integrate/near.h"
+#include "integrate/strips.h"
 #include "oracle.h"
 #include "suite.h"
 
@@ -218,6 +220,118 @@ START_TEST(near_edges_and_vertices) {
 }
 END_TEST
 
+/* ---- strips ---------------------------------------------------------------------------------- */
+
+/* A point above an element of one patch, looking straight down. */
+struct above {
+  struct rad_patch patch;
+  struct rad_element element;
+  double x[3];
+};
+
+/* int G over one strip by the near integrator: the sum over the trial functions. */
+static double over_strip(const struct above *a, const struct rad_strip *strip) {
+  int k = a->element.k_phi;
+  double to_lagrange[16 * 16], out[16 * 16], sum = 0;
+  struct rad_gauss gauss;
+  struct rad_error e;
+  ck_assert_int_eq(rad_gauss_init(&gauss, &e), RAD_OK);
+  rad_lagrange_from_legendre(&gauss, k, to_lagrange);
+  struct rad_near w = {.gauss = &gauss,
+                       .patch = &a->patch,
+                       .element = &a->element,
+                       .to_lagrange_phi = to_lagrange,
+                       .to_lagrange_r = to_lagrange,
+                       .digits = log(100 / 1e-13),
+                       .n0 = a->x[2],
+                       .x = {a->x[0], a->x[1], a->x[2]}};
+  rad_near(&w, strip, 1, out);
+  for (int b = 0; b < k * k; b++)
+    sum += out[b];
+  rad_gauss_free(&gauss);
+  return sum;
+}
+
+/* The same by Lambert's form. */
+static double over_corners(const struct above *a, const struct rad_strip *strip) {
+  static const double up[3] = {0, 0, 1};
+  const struct rad_side_line *side[4] = {&strip->upper, &strip->upper, &strip->lower,
+                                         &strip->lower};
+  struct oracle_point x = {.edge1 = {1, 0, 0}, .edge2 = {0, 1, 0}, .normal = {0, 0, -1}};
+  double y[4][3];
+  for (int c = 0; c < 4; c++) {
+    double sigma = strip->sigma[c == 0 || c == 3];
+    double t = rad_angle_t(a->patch.angle, pow(sigma, a->element.p_phi));
+    double r = side[c]->g / (side[c]->c1 + side[c]->c2 * t);
+    y[c][0] = r * (a->patch.a1 + t * a->patch.b1);
+    y[c][1] = r * t * a->patch.b2;
+    y[c][2] = 0;
+  }
+  memcpy(x.vertex, a->x, sizeof x.vertex);
+  return (double)oracle_lambert(&x, 4, (const double(*)[3])y, up);
+}
+
+/* A border of a shadow close to x and almost along a ray. The range is mapped around that side's
+ * pole, and the image of the other pole on the second sheet of sinh is nearer than its first. */
+START_TEST(strip_past_two_poles) {
+  const struct above a = {
+      .patch = {.a1 = 0.00479507, .b1 = -0.000918521, .b2 = 0.00226974},
+      .element = {.sigma = {0, 1}, .tau = {0, 1}, .p_phi = 3, .p_r = 3, .k_phi = 6, .k_r = 6},
+      .x = {0.00145103464, 0.000190595970, 7.36382143e-06}};
+  double end = 0.26203897435460671;
+  const struct rad_strip strip = {{0, 0.65943989477755804},
+                                  {-8.3186975985416467e-06, -end, 0.99996825396825395},
+                                  {end, end, 0}};
+  double got = over_strip(&a, &strip), expected = over_corners(&a, &strip);
+  ck_assert_double_gt(expected, 0.1);
+  ck_assert_msg(fabs(got - expected) < 1e-9, "%.12f, expected %.12f", got, expected);
+}
+END_TEST
+
+/* A side along a ray but for rounding has its pole on the real axis. */
+START_TEST(strip_with_a_radial_side) {
+  static const double g[] = {1e-16, 1e-17, 1e-20, 1e-40, 1e-300}, off[] = {0, 3e-10, 3e-7, 0.1};
+  for (int k = 0; k < 20; k++) {
+    double x = 1 + off[k % 4];
+    const struct above a = {
+        .patch = {.a1 = 0.5, .b1 = -1. / 6, .b2 = 2. / 3},
+        .element =
+            {.sigma = {0.5, 0.75}, .tau = {0, 0.25}, .p_phi = 1, .p_r = 1, .k_phi = 6, .k_r = 6},
+        .x = {x, x, 1}};
+    const struct rad_strip strip = {
+        {0.63688684502897142, 0.75}, {-g[k / 4], 0.15, -0.25}, {0.25, 1, 0}};
+    double got = over_strip(&a, &strip), expected = over_corners(&a, &strip);
+    ck_assert_msg(fabs(got - expected) < 1e-12, "%g: %.15g, expected %.15g", g[k / 4], got,
+                  expected);
+  }
+}
+END_TEST
+
+/* An element without its tip, whose corners are good to 1e-16 and so their angles to 1e-4: strips
+ * go all the way between the angles of the far corners. */
+START_TEST(strips_of_a_cut_tip) {
+  const struct rad_patch patch = {.a1 = 1, .b1 = -0.3, .b2 = 0.8};
+  const struct rad_element e = {.sigma = {0.5, 0.75}, .tau = {0, 0.25}, .p_phi = 1, .p_r = 1};
+  struct rad_polygon polygon;
+  struct rad_strip strip[RAD_MAX_CORNER];
+  rad_element_polygon(&patch, &e, &polygon);
+  ck_assert_int_eq(polygon.n, 3);
+  for (int k = 0; k < 2; k++) {
+    double at = k ? 1.18e-12 : 3e-14, *far[2] = {polygon.corner[1], polygon.corner[2]};
+    struct rad_polygon cut = {.n = 4};
+    for (int d = 0; d < 2; d++) {
+      cut.corner[0][d] = at * far[0][d] + d * 1e-17;
+      cut.corner[1][d] = far[0][d];
+      cut.corner[2][d] = far[1][d];
+      cut.corner[3][d] = 1.1 * at * far[1][d] - d * 2e-17;
+    }
+    ck_assert_int_eq(rad_strips(&patch, &e, &cut, strip), 1);
+    ck_assert_double_eq_tol(strip[0].sigma[0], 0.5, 1e-14);
+    ck_assert_double_eq_tol(strip[0].sigma[1], 0.75, 1e-14);
+  }
+}
+END_TEST
+
 int main(void) {
   Suite *s = suite_create("integrals");
   TCase *c = tcase_create("oracle");
@@ -225,5 +339,10 @@ int main(void) {
   tcase_add_loop_test(c, inside_at_every_tolerance, 0, N_PAIR);
   tcase_add_loop_test(c, near_edges_and_vertices, 0, N_PAIR);
   suite_add_tcase(s, c);
+  TCase *strips = tcase_create("strips");
+  tcase_add_test(strips, strip_past_two_poles);
+  tcase_add_test(strips, strip_with_a_radial_side);
+  tcase_add_test(strips, strips_of_a_cut_tip);
+  suite_add_tcase(s, strips);
   return run_suite(s);
 }

@@ -124,7 +124,7 @@ static void try_segments(struct view *v, int i, int j, enum rad_sight sight, con
 
 /* --- the other oracle: separating axes in space --- */
 
-/* What rad_find_shadow does, for one polygon. */
+/* Whether a polygon that is in front of both stands in the hull of the pair. */
 static int may_block(const struct rad_occluders *o, int i, int j, const struct rad_hull *hull,
                      int k) {
   const struct rad_triangle *t = o->scene->triangle;

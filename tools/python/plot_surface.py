@@ -11,16 +11,6 @@ from result import Problem, Result, parser, run, save
 SMOOTH = 30_000  # cells from which on one colour a cell looks smooth
 
 
-def corners(result: Result) -> np.ndarray:
-    """Four point numbers a cell; triangles repeat their last one."""
-    connectivity = result.array("VTKHDF/Connectivity")
-    offsets = result.array("VTKHDF/Offsets")
-    count = np.diff(offsets)
-    if len(count) == 0 or count.min() < 3 or count.max() > 4:
-        raise Problem(f"{result.path}: the cells are not triangles and quadrilaterals")
-    return connectivity[offsets[:-1, None] + np.minimum(np.arange(4), count[:, None] - 1)]
-
-
 def refine(cells: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Cut cells [n,4,3] into k x k bilinear pieces, each with the value at its middle."""
     k = int(np.clip(np.ceil(np.sqrt(SMOOTH / len(cells))), 1, 32))
@@ -62,7 +52,7 @@ def main() -> None:
         )
     values, unit, band = result.field(f"VTKHDF/PointData/{options.field}", options.band)
     points = np.asarray(result.array("VTKHDF/Points"), float)
-    number = corners(result)
+    number = result.corners()
     vertices = result.array("polyrad/triangles/vertices")
     normals = result.array("polyrad/triangles/normal")
     view = space.View.of(options, vertices, normals)

@@ -93,11 +93,18 @@ class Result:
 
     @property
     def bands(self) -> list[str]:
-        """Names of the bands, as the deck lists them: bands: [red, green]."""
+        """Names of the bands."""
         group = self.file.get("polyrad")
-        deck = text(group.attrs.get("deck", "")) if group is not None else ""
-        found = re.search(r"^bands:[ ]*\[([^\]]*)\]", deck, re.MULTILINE)
-        return [band.strip(" \"'\n") for band in found[1].split(",")] if found else []
+        return names_in(group.attrs.get("bands", [])) if group is not None else []
+
+    def corners(self) -> np.ndarray:
+        """Four point numbers a cell of the picture; triangles repeat their last one."""
+        connectivity = self.array("VTKHDF/Connectivity")
+        offsets = self.array("VTKHDF/Offsets")
+        count = np.diff(offsets)
+        if len(count) == 0 or count.min() < 3 or count.max() > 4:
+            raise Problem(f"{self.path}: the cells are not triangles and quadrilaterals")
+        return connectivity[offsets[:-1, None] + np.minimum(np.arange(4), count[:, None] - 1)]
 
 
 def parser(description: str, files: str = "FILE") -> argparse.ArgumentParser:

@@ -1,0 +1,220 @@
+#include "system/h2.h"
+
+#include <cblas.h>
+#include <omp.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "base/memory.h"
+#include "system/h2_basis.h"
+#include "system/h2_leaf.h"
+#include "system/h2_near.h"
+#include "visibility/visibility.h"
+
+/* Below this distance over the tolerance, rounding of coordinates shows in the kernel
+ * (theory 14.1). */
+#define ROUNDING 4e-15
+#define SHARE 0.15 /* of the tolerance: the cut of one block's basis */
+
+enum rad_code rad_h2_divide(const struct rad_mesh *mesh, double tolerance, struct rad_tree *tree,
+                            struct rad_blocks *blocks, struct rad_error *e) {
+  enum rad_code code = rad_tree_build(mesh, tree, e);
+  if (!code)
+    code = rad_blocks_build(tree, ROUNDING * mesh->scene->size / tolerance, blocks, e);
+  return code;
+}
+
+/* A basis as one piece of memory; its matrices are freed on the way. */
+static enum rad_code pack(struct rad_basis *basis, struct rad_h2_side *side, struct rad_error *e) {
+  size_t n = (size_t)basis->tree->n_cluster, at = 0, place = 0;
+  side->rank = rad_alloc(n, sizeof(int));
+  side->at = rad_alloc(n, sizeof(size_t));
+  side->place = rad_alloc(n + 1, sizeof(size_t));
+  if (!side->rank || !side->at || !side->place)
+    return rad_fail_memory(e, "the bases of the clusters", 20.0 * (double)n);
+  for (size_t c = 0; c < n; c++) {
+    side->rank[c] = basis->rank[c];
+    side->at[c] = at;
+    side->place[c] = place;
+    at += (size_t)rad_basis_rows(basis, (int)c) * (size_t)basis->rank[c];
+    place += (size_t)basis->rank[c];
+  }
+  side->place[n] = place;
+  side->n_data = at;
+  side->data = rad_pages_alloc(sizeof(double) * at);
+  if (!side->data)
+    return rad_fail_memory(e, "the bases of the clusters", 8.0 * (double)at);
+  for (size_t c = 0; c < n; c++) {
+    size_t size = (size_t)rad_basis_rows(basis, (int)c) * (size_t)basis->rank[c];
+    memcpy(side->data + side->at[c], basis->matrix[c], sizeof(double) * size);
+    free(basis->matrix[c]);
+    basis->matrix[c] = NULL;
+  }
+  return RAD_OK;
+}
+
+/* The moments were divided by the roots of the shares: leaves of columns get them back. */
+static void weigh_columns(const struct rad_tree *tree, struct rad_basis *basis, double *share) {
+  for (int c = 0; c < tree->n_cluster; c++) {
+    const struct rad_cluster *leaf = &tree->cluster[c];
+    if (leaf->child >= 0)
+      continue;
+    rad_leaf_shares(tree, leaf, share);
+    for (int k = 0; k < basis->rank[c]; k++)
+      for (int i = 0; i < leaf->n; i++)
+        basis->matrix[c][(size_t)k * (size_t)leaf->n + (size_t)i] *= sqrt(share[i]);
+  }
+}
+
+/* The far blocks by source: who is a source's partner. */
+static enum rad_code turn_list(const struct rad_tree *tree, const struct rad_block_list *list,
+                               struct rad_block_list *turned, struct rad_error *e) {
+  size_t n = (size_t)tree->n_cluster, total = list->first[n];
+  turned->first = rad_calloc(n + 2, sizeof(size_t));
+  turned->source = rad_alloc(total, sizeof(int));
+  if (!turned->first || !turned->source)
+    return rad_fail_memory(e, "the list of blocks", 4.0 * (double)total);
+  for (size_t b = 0; b < total; b++)
+    turned->first[list->source[b] + 2]++;
+  for (size_t s = 0; s < n; s++)
+    turned->first[s + 2] += turned->first[s + 1];
+  for (size_t t = 0; t < n; t++)
+    for (size_t b = list->first[t]; b < list->first[t + 1]; b++)
+      turned->source[turned->first[list->source[b] + 1]++] = (int)t;
+  return RAD_OK;
+}
+
+/* S = R_t G R_s^T for the far blocks of one target; work: [2, n_node^2]. */
+static void couple(struct rad_h2 *h, const struct rad_interpolation *p, const struct rad_basis *row,
+                   const struct rad_basis *column, int target, double *work) {
+  const struct rad_cluster *cluster = h->tree.cluster;
+  int n = p->n, k_t = row->rank[target];
+  double *kernel = work, *half = work + (size_t)n * (size_t)n;
+  for (size_t b = h->blocks.far.first[target]; b < h->blocks.far.first[target + 1]; b++) {
+    int source = h->blocks.far.source[b], k_s = column->rank[source];
+    if (!k_t || !k_s)
+      continue;
+    rad_interpolation_kernel(p, &h->tree, &cluster[target], &cluster[source], kernel);
+    cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, k_t, n, n, 1, row->change[target], n,
+                kernel, n, 0, half, k_t);
+    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, k_t, k_s, n, 1, half, k_t,
+                column->change[source], n, 0, h->far + h->far_at[b], k_t);
+  }
+}
+
+static enum rad_code couple_all(struct rad_h2 *h, const struct rad_interpolation *p,
+                                const struct rad_basis *row, const struct rad_basis *column,
+                                struct rad_error *e) {
+  size_t total = h->blocks.far.first[h->tree.n_cluster], node = (size_t)p->n;
+  double ranks = 0;
+  h->far_at = rad_alloc(total, sizeof(size_t));
+  if (!h->far_at)
+    return rad_fail_memory(e, "the far blocks", 8.0 * (double)total);
+  for (int t = 0; t < h->tree.n_cluster; t++)
+    for (size_t b = h->blocks.far.first[t]; b < h->blocks.far.first[t + 1]; b++) {
+      h->far_at[b] = h->n_far;
+      h->n_far += (size_t)row->rank[t] * (size_t)column->rank[h->blocks.far.source[b]];
+      ranks += 0.5 * (row->rank[t] + column->rank[h->blocks.far.source[b]]);
+    }
+  h->mean_rank = total ? ranks / (double)total : 0;
+  h->far = rad_pages_alloc(sizeof(double) * h->n_far);
+  size_t n_thread = (size_t)omp_get_max_threads();
+  double *work = rad_alloc(2 * node * node * n_thread, sizeof(double));
+  if (!h->far || !work) {
+    free(work);
+    return rad_fail_memory(e, "the far blocks", 8.0 * (double)h->n_far);
+  }
+#pragma omp parallel for schedule(dynamic) default(none) shared(h, p, row, column, work, node)
+  for (int t = 0; t < h->tree.n_cluster; t++)
+    couple(h, p, row, column, t, work + 2 * node * node * (size_t)omp_get_thread_num());
+  free(work);
+  return RAD_OK;
+}
+
+/* Both bases, and what is between them. */
+static enum rad_code build_far(struct rad_h2 *h, struct rad_error *e) {
+  struct rad_interpolation p;
+  struct rad_block_list by_source = {0};
+  struct rad_basis row = {0}, column = {0};
+  double start = rad_seconds(), *share = rad_alloc((size_t)h->mesh->n_point, sizeof(double));
+  rad_interpolation_init(&p, h->tolerance);
+  struct rad_basis_goal goal = {&p, &h->blocks.far, RAD_BASIS_ROW, h->tolerance,
+                                SHARE * h->tolerance};
+  enum rad_code code = share ? RAD_OK : rad_fail_memory(e, "the bases of the clusters", 0);
+  if (!code)
+    code = rad_basis_build(&h->tree, &goal, &row, e);
+  if (!code)
+    code = turn_list(&h->tree, &h->blocks.far, &by_source, e);
+  goal.far = &by_source;
+  goal.kind = RAD_BASIS_COLUMN;
+  if (!code)
+    code = rad_basis_build(&h->tree, &goal, &column, e);
+  h->seconds_bases = rad_seconds() - start;
+  start = rad_seconds();
+  if (!code)
+    code = couple_all(h, &p, &row, &column, e);
+  if (!code) {
+    weigh_columns(&h->tree, &column, share);
+    code = pack(&row, &h->row, e);
+  }
+  if (!code)
+    code = pack(&column, &h->column, e);
+  h->seconds_far = rad_seconds() - start;
+  rad_basis_free(&row);
+  rad_basis_free(&column);
+  free(by_source.first);
+  free(by_source.source);
+  free(share);
+  return code;
+}
+
+static double bytes_of(const struct rad_h2 *h) {
+  double clusters = h->tree.n_cluster, far = (double)h->blocks.far.first[h->tree.n_cluster];
+  double near = (double)h->blocks.near.first[h->tree.n_cluster];
+  return 8.0 * (double)(h->row.n_data + h->column.n_data + h->n_far) +
+         (double)h->n_near * (double)rad_h2_near_size(h->tolerance) + 12 * (far + near) +
+         clusters * (double)(sizeof(struct rad_cluster) + 48) + 4.0 * h->mesh->n_point;
+}
+
+enum rad_code rad_h2_build(const struct rad_mesh *mesh, const struct rad_rules *rules,
+                           double tolerance, struct rad_h2 *h, struct rad_error *e) {
+  *h = (struct rad_h2){
+      .mesh = mesh, .sees = mesh->scene->visibility->sight, .tolerance = fmax(tolerance, 1e-13)};
+  double start = rad_seconds();
+  enum rad_code code = rad_h2_divide(mesh, h->tolerance, &h->tree, &h->blocks, e);
+  h->seconds_blocks = rad_seconds() - start;
+  if (!code)
+    code = build_far(h, e);
+  start = rad_seconds();
+  if (!code)
+    code = rad_h2_near(h, rules, rad_h2_near_size(h->tolerance) == sizeof(float), e);
+  h->seconds_near = rad_seconds() - start;
+  if (!code)
+    code = rad_h2_workspace(h, e);
+  if (!code)
+    h->bytes = bytes_of(h);
+  return code;
+}
+
+static void free_side(struct rad_h2_side *side) {
+  free(side->rank);
+  free(side->at);
+  free(side->place);
+  rad_pages_free(side->data, sizeof(double) * side->n_data);
+}
+
+void rad_h2_free(struct rad_h2 *h) {
+  free(h->subtree);
+  rad_pages_free(h->work, sizeof(double) * RAD_MOST_VECTORS * h->n_work);
+  free_side(&h->row);
+  free_side(&h->column);
+  rad_pages_free(h->far, sizeof(double) * h->n_far);
+  rad_pages_free(h->near_wide, sizeof(double) * h->n_near);
+  rad_pages_free(h->near_narrow, sizeof(float) * h->n_near);
+  free(h->far_at);
+  free(h->near_at);
+  rad_blocks_free(&h->blocks);
+  rad_tree_free(&h->tree);
+  *h = (struct rad_h2){0};
+}

@@ -1,0 +1,99 @@
+/* The hierarchical matrix: K in nested bases where it is smooth, dense blocks where it is not. */
+#ifndef RAD_SYSTEM_H2_H
+#define RAD_SYSTEM_H2_H
+
+#include "integrate/element.h"
+#include "system/blocks.h"
+
+enum { RAD_MOST_VECTORS = 8 };
+
+/* One side's bases, ready for products: small dense matrices one after another. */
+struct rad_h2_side {
+  int *rank;     /* owned [n_cluster] */
+  size_t *at;    /* owned [n_cluster] where a cluster's matrix begins in data */
+  size_t *place; /* owned [n_cluster + 1] where its coefficients begin in a vector of them */
+  size_t n_data;
+  double *data; /* owned [n_data], pages */
+};
+
+/**
+ * K ~ sum over far blocks of U_t S_ts W_s^T, plus near blocks (theory 14). U and W are nested.
+ */
+struct rad_h2 {
+  const struct rad_mesh *mesh; /* borrowed */
+  const unsigned char *sees;   /* borrowed [n_triangle, n_triangle] of the scene's visibility */
+  struct rad_tree tree;
+  struct rad_blocks blocks;
+  struct rad_h2_side row, column;
+  size_t *far_at, *near_at; /* owned [blocks] where a block begins in its data */
+  size_t n_far, n_near;
+  double *far;        /* owned [n_far], pages: [row rank, column rank] column-major */
+  double *near_wide;  /* owned [n_near], pages: [n_target, n_source] column-major, or NULL */
+  float *near_narrow; /* likewise in single precision, where the tolerance allows it */
+  int n_subtree, n_top;
+  int *subtree; /* owned [n_subtree + n_top] roots of subtrees that products take one by one; then
+                   the clusters above them, parents first */
+  size_t n_work;
+  double *work; /* owned [RAD_MOST_VECTORS, n_work], pages: vectors in the tree's order, and
+                   coefficients of columns and rows */
+  struct rad_counters counters; /* of near blocks */
+  double tolerance;             /* asked for: of a row's sum */
+  double error;     /* estimate of what compression does to a row's sum, see rad_h2_check */
+  double bytes;     /* of all its data */
+  double mean_rank; /* of far blocks, both sides */
+  double seconds_blocks, seconds_bases, seconds_far, seconds_near, seconds_check;
+};
+
+/* Sizes before anything large is made. */
+struct rad_h2_plan {
+  double bytes;        /* predicted, of the finished matrix */
+  double bytes_build;  /* predicted, at most while it is built */
+  double near_entries; /* exact */
+};
+
+/* Cluster trees and blocks for a tolerance. */
+enum rad_code rad_h2_divide(const struct rad_mesh *mesh, double tolerance, struct rad_tree *tree,
+                            struct rad_blocks *blocks, struct rad_error *e);
+
+#define RAD_NARROW 0.99e-7 /* single precision errs by 6e-8 of an entry at most */
+
+/* Bytes of an entry of near blocks. */
+static inline size_t rad_h2_near_size(double tolerance) {
+  return tolerance >= RAD_NARROW ? sizeof(float) : sizeof(double);
+}
+
+/* Predict from the cluster trees and blocks alone. Cost about 1 % of a build. */
+enum rad_code rad_h2_predict(const struct rad_mesh *mesh, double tolerance,
+                             struct rad_h2_plan *plan, struct rad_error *e);
+
+/**
+ * @param[in]  tolerance  of the compression, relative to a row sum of 1
+ * @param[out] h          to be freed with rad_h2_free, also after an error
+ * In parallel; every result has one owner and a fixed order of summation: the same bits for any
+ * number of threads.
+ */
+enum rad_code rad_h2_build(const struct rad_mesh *mesh, const struct rad_rules *rules,
+                           double tolerance, struct rad_h2 *h, struct rad_error *e);
+void rad_h2_free(struct rad_h2 *h); /* safe twice */
+
+/**
+ * y_v = K u_v for 1 .. RAD_MOST_VECTORS vectors [n], no aliases, in one pass over the matrix.
+ *
+ * Not by two threads at once: it uses h->work. The same bits for any number of threads and for any
+ * company of other vectors.
+ */
+void rad_h2_apply(const struct rad_h2 *h, int n_vector, const double *const *u, double *const *y);
+
+/* Pages for products, which cost nothing until they are used. */
+enum rad_code rad_h2_workspace(struct rad_h2 *h, struct rad_error *e);
+
+/* Bytes that a product of one vector reads and writes. */
+double rad_h2_traffic(const struct rad_h2 *h);
+
+/**
+ * h->error: largest |(K - K_H) z|_i over sampled rows i, computed anew, and vectors |z| <= 1:
+ * constant, waves, and random signs of points and of elements.
+ */
+enum rad_code rad_h2_check(struct rad_h2 *h, const struct rad_rules *rules, struct rad_error *e);
+
+#endif

@@ -1,0 +1,42 @@
+/* Nested bases of the clusters, as small as the tolerance allows. */
+#ifndef RAD_SYSTEM_H2_BASIS_H
+#define RAD_SYSTEM_H2_BASIS_H
+
+#include "system/blocks.h"
+#include "system/interpolate.h"
+
+enum rad_basis_kind { RAD_BASIS_ROW, RAD_BASIS_COLUMN };
+
+/**
+ * For every cluster a matrix of `rank` columns: a leaf's has a row for each of its unknowns, any
+ * other's a row for each column of its first child, then of its second (theory 14.6).
+ */
+struct rad_basis {
+  const struct rad_tree *tree; /* borrowed */
+  int *rank;                   /* owned [n_cluster] */
+  double **matrix;             /* owned [n_cluster] owned [rows, rank] column-major */
+  double **change;             /* owned [n_cluster] owned [n_node, rank] R^T: the polynomials in the
+                                  basis; only of clusters that have far blocks */
+  int failed;                  /* while building: out of memory, or an SVD that did not converge */
+};
+
+struct rad_basis_goal {
+  const struct rad_interpolation *interpolation;
+  const struct rad_block_list *far; /* partners of each cluster of this side */
+  enum rad_basis_kind kind;
+  double tolerance; /* of the moments' integrals */
+  double cut;       /* of row sums, for each block */
+};
+
+/**
+ * @param[out] basis  to be freed with rad_basis_free, also after an error
+ * In parallel over subtrees; the same bits for any number of threads.
+ */
+enum rad_code rad_basis_build(const struct rad_tree *tree, const struct rad_basis_goal *goal,
+                              struct rad_basis *basis, struct rad_error *e);
+void rad_basis_free(struct rad_basis *basis); /* safe twice */
+
+/* Rows of a cluster's matrix. */
+int rad_basis_rows(const struct rad_basis *basis, int cluster);
+
+#endif
