@@ -19,7 +19,7 @@ enum { MAX_LEVEL = 40 };
 /* A refined part is meant to become this much smaller than its share, more so at later levels, and
  * parts that are nearly too large are refined as well: a level costs more than the unknowns that
  * more caution would save. */
-#define OVERSHOOT 2.5
+#define OVERSHOOT 3.1
 #define NEARLY 0.5
 
 /* A bound this many tolerances large needs no finer look. */

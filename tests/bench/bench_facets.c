@@ -157,7 +157,8 @@ int main(int argc, char **argv) {
     data[i] = rho_of[scene.triangle[i].surface % 6];
     data[size + i] = e_of[scene.triangle[i].surface % 6];
   }
-  if (rad_solve(&dense, &o, 1, data, data + size, data + 2 * size, data + 3 * size, &report, &e))
+  struct rad_operator k = rad_operator_dense(&dense);
+  if (rad_solve(&k, &o, 1, data, data + size, data + 2 * size, data + 3 * size, &report, &e))
     return 1;
   double peak = rad_memory_peak(), pairs = (double)(dense.counters.far + dense.counters.near);
   printf("facets                     %8d       tolerance %.0e, threads %d\n", dense.n, tolerance,
