@@ -188,7 +188,8 @@ static struct rad_goal goal_of(const struct rad_case *c) {
       .solver_tolerance = m->given & RAD_GIVEN_SOLVER_TOLERANCE ? m->solver_tolerance : 0,
       .quadrature_tolerance =
           m->given & RAD_GIVEN_QUADRATURE_TOLERANCE ? m->quadrature_tolerance : 0,
-      .memory = rad_memory_available()};
+      .memory = c->memory_limit > 0 ? fmin(c->memory_limit, rad_memory_available())
+                                    : rad_memory_available()};
 }
 
 /* The bound of a solution on a mesh made by hand; the estimator has it on loan. */

@@ -37,6 +37,7 @@ struct rad_case {
   int wants_bound, has_bound;   /* the error is estimated and bounded, and u* is reported */
   double tolerance;             /* of max |u - u*| over max |u| */
   struct rad_adaptive adaptive; /* its layout, indicator and bound; the rest moves to this struct */
+  double memory_limit;          /* bytes for the matrix and what belongs to it; 0: what there is */
   double seconds_scene, seconds_mesh, seconds_assemble, seconds_estimate;
 };
 
@@ -67,6 +68,19 @@ enum rad_code rad_case_picture(const struct rad_case *c, struct rad_picture *pic
                                struct rad_error *e);
 enum rad_code rad_case_means(const struct rad_case *c, double *radiosity, double *irradiance,
                              struct rad_error *e);
+/* Where a point is in a triangle: mu counts from the vertex `base` that weighs most, as in
+ * rad_patch, and is at least 1e-12: on an edge it means the limit from inside the face. */
+struct rad_place {
+  int triangle, base;
+  double mu[2], off; /* off: distance from the triangle's plane or outside of it, over its size */
+};
+
+struct rad_place rad_place_weighted(int triangle, const double weight[3]); /* barycentric */
+struct rad_place rad_place_in(const struct rad_scene *scene, int triangle, const double at[3]);
+
+/* A point with more `off` is not on the triangle. */
+#define RAD_OFF 1e-6
+
 /* Refuse probes that lie on no triangle, before anything is solved. */
 enum rad_code rad_case_check_probes(const struct rad_case *c, struct rad_error *e);
 enum rad_code rad_case_probes(const struct rad_case *c, struct rad_result *result,

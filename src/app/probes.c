@@ -8,20 +8,24 @@
 #include "base/memory.h"
 #include "base/vec.h"
 
-struct place {
-  int triangle, base;
-  double mu[2], off; /* off: distance from the triangle's plane or outside of it, over its size */
-};
-
 /* Smallest barycentric coordinate of a probe: on an edge it means the limit from inside the face.
  */
 #define INSIDE 1e-12
 
-/* Barycentric place of a point in a triangle's plane, counted from the vertex that weighs most. */
-static struct place place_in(const struct rad_scene *scene, int triangle, const double at[3]) {
+struct rad_place rad_place_weighted(int triangle, const double weight[3]) {
+  struct rad_place p = {.triangle = triangle};
+  for (int c = 0; c < 3; c++) {
+    p.base = weight[c] > weight[p.base] ? c : p.base;
+    p.off = fmax(p.off, -weight[c]);
+  }
+  p.mu[0] = fmax(weight[(p.base + 1) % 3], INSIDE);
+  p.mu[1] = fmax(weight[(p.base + 2) % 3], INSIDE);
+  return p;
+}
+
+struct rad_place rad_place_in(const struct rad_scene *scene, int triangle, const double at[3]) {
   const struct rad_triangle *t = &scene->triangle[triangle];
-  struct place p = {.triangle = triangle};
-  double off[3], weight[3], least = INFINITY;
+  double off[3], weight[3];
   for (int c = 0; c < 3; c++) { /* area of the triangle that the point makes with the other edge */
     double side[3], d[3], cross[3];
     rad_sub(t->v[(c + 2) % 3], t->v[(c + 1) % 3], side);
@@ -30,30 +34,26 @@ static struct place place_in(const struct rad_scene *scene, int triangle, const 
     weight[c] = rad_dot(cross, t->normal) / (2 * t->area);
   }
   double total = weight[0] + weight[1] + weight[2]; /* 1, or -1 if the normal is the other one */
-  for (int c = 0; c < 3; c++) {
+  for (int c = 0; c < 3; c++)
     weight[c] /= total;
-    least = fmin(least, weight[c]);
-    p.base = weight[c] > weight[p.base] ? c : p.base;
-  }
+  struct rad_place p = rad_place_weighted(triangle, weight);
   rad_sub(at, t->v[p.base], off);
-  p.mu[0] = fmax(weight[(p.base + 1) % 3], INSIDE);
-  p.mu[1] = fmax(weight[(p.base + 2) % 3], INSIDE);
-  p.off = fmax(fabs(rad_dot(off, t->normal)) / sqrt(2 * t->area), fmax(-least, 0));
+  p.off = fmax(fabs(rad_dot(off, t->normal)) / sqrt(2 * t->area), p.off);
   return p;
 }
 
 static enum rad_code locate(const struct rad_case *c, const struct rad_deck_probe *probe,
-                            struct place *best, struct rad_error *e) {
+                            struct rad_place *best, struct rad_error *e) {
   best->off = INFINITY;
   for (int t = 0; t < c->scene.n_triangle; t++) {
     const char *name = c->scene.surface_name[c->scene.triangle[t].surface];
     if (probe->surface && strcmp(probe->surface, name))
       continue;
-    struct place p = place_in(&c->scene, t, probe->at);
+    struct rad_place p = rad_place_in(&c->scene, t, probe->at);
     if (p.off < best->off)
       *best = p;
   }
-  if (best->off <= 1e-6)
+  if (best->off <= RAD_OFF)
     return RAD_OK;
   const char *where = probe->surface ? probe->surface : "any surface";
   char line[32] = "";
@@ -71,10 +71,10 @@ static enum rad_code locate(const struct rad_case *c, const struct rad_deck_prob
 }
 
 /* Places of all probes, or only whether they have one when place is NULL. */
-static enum rad_code locate_all(const struct rad_case *c, struct place *place,
+static enum rad_code locate_all(const struct rad_case *c, struct rad_place *place,
                                 struct rad_error *e) {
   enum rad_code code = RAD_OK;
-  struct place unused;
+  struct rad_place unused;
   for (int i = 0; i < c->deck.n_probe && !code; i++)
     code = locate(c, &c->deck.probe[i], place ? &place[i] : &unused, e);
   return code;
@@ -86,7 +86,7 @@ enum rad_code rad_case_check_probes(const struct rad_case *c, struct rad_error *
 
 enum rad_code rad_case_probes(const struct rad_case *c, struct rad_result *r, struct rad_error *e) {
   size_t n = (size_t)c->deck.n_probe, nb = (size_t)c->scene.n_band;
-  struct place *place = rad_alloc(n, sizeof *place);
+  struct rad_place *place = rad_alloc(n, sizeof *place);
   int *triangle = rad_alloc(n, 2 * sizeof(int)), *base = triangle + n;
   double(*mu)[2] = rad_alloc(n, sizeof *mu);
   r->probe_position = rad_alloc(n, 3 * sizeof(double));

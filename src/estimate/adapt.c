@@ -191,12 +191,25 @@ static enum rad_code refine(const struct rad_goal *g, struct rad_adaptive *a, st
   return code;
 }
 
+/* What the C library keeps for each thread [bytes]. */
+#define THREAD_BYTES 9e7
+
 /* Bytes that the level to come adds while the present one still lends its blocks: matrix and
- * vectors, rows at points, fine values and checks, and what the C library keeps for each thread. */
+ * vectors, rows at points, fine values and checks. */
 static double bytes(const struct rad_goal *g, const struct rad_layout *l) {
   double n = rad_layout_unknowns(l);
-  return rad_solver_bytes(rad_solver_pick(g->solver, n), n, l->scene->n_band) +
-         omp_get_max_threads() * 9e7 + 500 * n;
+  return rad_solver_bytes(rad_solver_pick(g->solver, n), n, l->scene->n_band) + 500 * n;
+}
+
+static enum rad_code refuse_too_large(const struct rad_goal *g, const struct rad_layout *l,
+                                      struct rad_error *e) {
+  double need = bytes(g, l);
+  if (need <= g->memory)
+    return RAD_OK;
+  return rad_fail(e, RAD_ESYSTEM,
+                  "the coarsest mesh, with %.0f unknowns, needs %.3g GB of memory and %.3g GB may "
+                  "be used; allow more or give fewer triangles",
+                  rad_layout_unknowns(l), need / 1e9, g->memory / 1e9);
 }
 
 /* With `whole`, at all check points even if the bound is far off. */
@@ -261,6 +274,8 @@ enum rad_code rad_adapt(const struct rad_scene *scene, const struct rad_goal *g,
   int stuck = 0;
   enum rad_code code =
       rad_layout_begin(scene, scene->visibility->sight, g->tolerance, &a->layout, e);
+  if (!code)
+    code = refuse_too_large(g, &a->layout, e);
   while (!code) {
     began = rad_seconds();
     if ((code = level(scene, g, a, e)))
@@ -280,7 +295,8 @@ enum rad_code rad_adapt(const struct rad_scene *scene, const struct rad_goal *g,
     if ((code = refine(g, a, e)))
       break;
     double need = bytes(g, &a->layout), held = 8 * n * n;
-    double free_now = fmin(rad_memory_available(), g->memory - held);
+    double free_now =
+        fmin(rad_memory_available() - omp_get_max_threads() * THREAD_BYTES, g->memory - held);
     if (need > free_now) {
       snprintf(a->reason, sizeof a->reason,
                "the next level, with %.0f unknowns, needs %.3g GB more memory and %.3g GB are left",

@@ -219,6 +219,11 @@ static enum rad_code set_checks(struct work *w, int rest, struct rad_error *e) {
   return RAD_OK;
 }
 
+/* rho of rho K d; 1 where E is a function, which nothing else would resolve for black faces. */
+static double weight_of(const struct rad_scene *s, int triangle, int band) {
+  return s->emission_at ? 1 : s->rho[triangle * s->n_band + band];
+}
+
 /* Parts of the elements at the points of one batch. */
 static void add_parts(void *context, int thread, int first, int m, const double *row) {
   struct work *w = context;
@@ -227,7 +232,7 @@ static void add_parts(void *context, int thread, int first, int m, const double 
   double *part = w->part + (size_t)thread * (size_t)fine->n_element;
   for (int i = 0; i < m; i++)
     for (int b = 0; b < w->n_band; b++) {
-      double rho = fine->scene->rho[triangle * w->n_band + b], total = 0, sum = 0, largest = 0;
+      double rho = weight_of(fine->scene, triangle, b), total = 0, sum = 0, largest = 0;
       const double *d = w->d + (size_t)b * (size_t)fine->n_point;
       for (int j = 0; j < n_triangle && rho > 0; j++) {
         if (!w->sees[(size_t)triangle * n_triangle + j])

@@ -17,6 +17,8 @@ static int black(const struct rad_scene *s, int t) {
 }
 
 static int dark(const struct rad_scene *s, int t) {
+  if (s->emission_at)
+    return 0;
   for (int i = 0; i < 3 * s->n_band; i++)
     if (s->emission[(size_t)t * 3 * (size_t)s->n_band + (size_t)i] != 0)
       return 0;
@@ -117,6 +119,8 @@ static enum rad_code add_triangle(struct rad_layout *l, int t, const unsigned ch
                                   const struct rad_exponents *x, double tolerance,
                                   struct rad_error *e) {
   const struct rad_scene *s = l->scene;
+  if (s->emission_at) /* E is any function: rows to estimate by, and polar at every vertex */
+    return add_six(l, t, x, tolerance, e);
   l->passive[t] = !sees_any(sees, s->n_triangle, t) ? RAD_ALONE
                   : black(s, t)                     ? RAD_BLACK
                   : !lit                            ? RAD_UNLIT

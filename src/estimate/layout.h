@@ -33,7 +33,8 @@ enum { RAD_MAX_POINTS_1D = 18 }; /* largest k of an adaptive element */
  * The least that makes sense for a tolerance: one element of low degree per sub-triangle of a
  * triangle with a singular edge or vertex, one plain element per triangle where nothing is, one for
  * the emission of a passive face: black, unlit, or seeing nothing, where u = E and no row is
- * needed.
+ * needed. Where E is a function (emission_at) no face is passive, since its E has to be resolved,
+ * and all have sub-triangles, since E may depend on the direction from a vertex.
  *
  * @param[in]  sees  [n_triangle, n_triangle] of the scene's visibility
  * @param[out] l     to be freed with rad_layout_free, also after an error

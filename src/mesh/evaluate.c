@@ -27,6 +27,8 @@ void rad_point_position(const struct rad_mesh *mesh, int point, double x[3]) {
 
 double rad_emission(const struct rad_scene *scene, int triangle, int band, int base,
                     const double mu[2]) {
+  if (scene->emission_at)
+    return scene->emission_at(scene->emission_context, triangle, band, base, mu);
   const double *e = scene->emission + (size_t)triangle * 3 * (size_t)scene->n_band + band;
   int nb = scene->n_band;
   double e0 = e[base * nb], e1 = e[(base + 1) % 3 * nb], e2 = e[(base + 2) % 3 * nb];

@@ -75,7 +75,8 @@ int rad_element_triangle(const struct rad_mesh *mesh, int element);
 int rad_point_triangle(const struct rad_mesh *mesh, int point);
 void rad_point_position(const struct rad_mesh *mesh, int point, double x[3]);
 
-/* E at a point of a triangle given by mu from vertex base: linear between the vertex values. */
+/* E at a point of a triangle given by mu from vertex base: linear between the vertex values, or
+ * what emission_at says. */
 double rad_emission(const struct rad_scene *scene, int triangle, int band, int base,
                     const double mu[2]);
 

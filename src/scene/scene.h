@@ -20,6 +20,9 @@ struct rad_triangle {
 
 struct rad_visibility;
 
+/* E at a point of a triangle [W/m2]; mu counts from vertex base, as in rad_patch. */
+typedef double rad_emission_at(void *context, int triangle, int band, int base, const double mu[2]);
+
 struct rad_scene {
   int n_triangle, n_vertex, n_surface, n_band;
   struct rad_triangle *triangle; /* owned [n_triangle] */
@@ -28,6 +31,8 @@ struct rad_scene {
   char *band[RAD_MAX_BAND];      /* owned [n_band] */
   double *rho;                   /* owned [n_triangle, n_band] reflectivity */
   double *emission;              /* owned [n_triangle, 3, n_band] E at the vertices [W/m2] */
+  rad_emission_at *emission_at;  /* in place of emission, or NULL; asked by one thread at a time */
+  void *emission_context;        /* borrowed */
   double size;                   /* diameter of the bounding box [m] */
   const struct rad_visibility *visibility; /* borrowed; NULL: shadows were not looked for */
 };
