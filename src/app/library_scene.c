@@ -90,7 +90,7 @@ static void copy_triangle(const struct polyrad_scene *s, const polyrad *p, int t
 
 /* The deck whose scene this is; its triangles borrow their names from p. */
 static enum rad_code build(const struct polyrad_scene *s, polyrad *p) {
-  char band[RAD_MAX_BAND][8];
+  char band[RAD_MAX_BAND][12]; /* any int */
   struct rad_deck deck = {.n_band = bands_of(s),
                           .n_triangle = s->n_triangle,
                           .triangle = rad_alloc((size_t)s->n_triangle, sizeof *deck.triangle)};

@@ -12,18 +12,9 @@
 #include "adaptive_scenes.h"
 #include "base/clock.h"
 #include "base/memory.h"
+#include "median.h"
 
 enum { MAX_REPEAT = 64 };
-
-static int ascending(const void *a, const void *b) {
-  double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
-static double median(double *x, int n) {
-  qsort(x, (size_t)n, sizeof *x, ascending);
-  return n % 2 ? x[n / 2] : 0.5 * (x[n / 2 - 1] + x[n / 2]);
-}
 
 static void need(enum rad_code code, const struct rad_error *e) {
   if (!code)

@@ -11,19 +11,10 @@
 
 #include "base/clock.h"
 #include "base/memory.h"
+#include "median.h"
 #include "surface_s1.h"
 #include "system/dense.h"
 #include "visibility/visibility.h"
-
-static int ascending(const void *a, const void *b) {
-  double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
-static double median(double *x, int n) {
-  qsort(x, (size_t)n, sizeof *x, ascending);
-  return n % 2 ? x[n / 2] : 0.5 * (x[n / 2 - 1] + x[n / 2]);
-}
 
 static double assemble(const struct rad_mesh *mesh, const struct rad_rules *rules, int threads,
                        struct rad_dense *dense) {

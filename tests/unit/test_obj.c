@@ -158,6 +158,7 @@ static double shoelace(int n, const double (*p)[2]) {
  * overlap. */
 static void check_cut(int n, const double (*corner)[2]) {
   char *text = malloc((size_t)n * 100 + 100);
+  ck_assert_ptr_nonnull(text);
   struct motion motion = random_motion(2);
   const double up[3] = {motion.axis[0][2], motion.axis[1][2], motion.axis[2][2]};
   double expected = shoelace(n, corner) * motion.scale * motion.scale;
