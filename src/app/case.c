@@ -97,20 +97,6 @@ static enum rad_code choose_matrix(struct rad_case *c, struct rad_error *e) {
   return refuse_too_large(c, e);
 }
 
-static void count_skipped(struct rad_case *c) {
-  const struct rad_mesh *m = c->mesh;
-  int n = c->scene.n_triangle;
-  const unsigned char *sees = c->visibility.sight;
-  for (int i = 0; i < n; i++)
-    for (int j = 0; j < n; j++)
-      if (!sees[(size_t)i * n + j]) {
-        double points = m->point_first[i + 1] - m->point_first[i];
-        double elements =
-            m->element_first[m->patch_first[j + 1]] - m->element_first[m->patch_first[j]];
-        c->plan.skipped += points * elements;
-      }
-}
-
 enum rad_code rad_case_prepare(const char *deck, int n_set, const char *const *set,
                                struct rad_case *c, struct rad_error *e) {
   *c = (struct rad_case){0};
@@ -141,7 +127,6 @@ enum rad_code rad_case_prepare(const char *deck, int n_set, const char *const *s
   if (code)
     return code;
   c->seconds_mesh = rad_seconds() - start;
-  count_skipped(c);
   code = choose_matrix(c, e);
   return code ? code : rad_case_check_probes(c, e);
 }

@@ -133,9 +133,7 @@ polyrad_status polyrad_get_summary(polyrad *p, struct polyrad_summary *summary) 
       summary ? rad_library_refuse_unsolved(p) : rad_library_fail_null(p, "summary");
   if (!code) {
     const struct rad_adaptive *a = &p->run.adaptive;
-    double most = 0;
-    for (int b = 0; b < p->run.scene.n_band; b++)
-      most = fmax(most, a->indicator.scale[b]);
+    double most = rad_indicator_scale(&a->indicator, p->run.scene.n_band);
     *summary = (struct polyrad_summary){.unknowns = p->run.mesh->n_point,
                                         .elements = p->run.mesh->n_element,
                                         .levels = a->levels,

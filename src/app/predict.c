@@ -80,6 +80,7 @@ enum rad_code rad_case_predict(struct rad_case *c, struct rad_error *e) {
     int threads =
         omp_get_max_threads() < omp_get_num_procs() ? omp_get_max_threads() : omp_get_num_procs();
     double pair = sample_pairs(c, sees, &scratch, row);
+    c->plan.skipped = (double)rad_pairs_skipped(c->mesh, NULL);
     double n = c->plan.unknowns, pairs = c->plan.pairs - c->plan.skipped;
     c->plan.seconds = pair * pairs / threads;
     if (c->plan.matrix == RAD_MATRIX_HIERARCHICAL) /* near pairs, and what bases take (measured) */

@@ -8,12 +8,9 @@
 #include "base/memory.h"
 #include "base/vec.h"
 
-/* max |u| over the bands: what the relative numbers of an adaptive run refer to. */
+/* What the relative numbers of an estimate refer to [W/m2]. */
 static double scale(const struct rad_case *c) {
-  double most = 0;
-  for (int b = 0; b < c->scene.n_band; b++)
-    most = fmax(most, c->adaptive.indicator.scale[b]);
-  return most;
+  return rad_indicator_scale(&c->adaptive.indicator, c->scene.n_band);
 }
 
 /* Cells per direction of an element: as asked, and at least half its degree, or its shape is lost.

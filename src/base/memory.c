@@ -119,3 +119,15 @@ void *rad_alloc(size_t n, size_t item) {
 void *rad_calloc(size_t n, size_t item) {
   return calloc(n ? n : 1, item);
 }
+
+int rad_reserve(void **array, size_t n, size_t *room, size_t item) {
+  if (n <= *room)
+    return 1;
+  size_t more = n > 2 * *room ? n : 2 * *room;
+  void *grown = realloc(*array, more * item);
+  if (!grown)
+    return 0;
+  *array = grown;
+  *room = more;
+  return 1;
+}

@@ -19,4 +19,8 @@ void rad_pages_free(void *pages, size_t bytes); /* NULL is fine */
 void *rad_alloc(size_t n, size_t item);
 void *rad_calloc(size_t n, size_t item);
 
+/* Room for at least n items in *array, which may be NULL; grows to twice the room or more.
+ * Returns 0 without memory: array and room are as they were. */
+int rad_reserve(void **array, size_t n, size_t *room, size_t item);
+
 #endif

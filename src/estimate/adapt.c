@@ -305,7 +305,7 @@ enum rad_code rad_adapt(const struct rad_scene *scene, const struct rad_goal *g,
     }
   }
   a->seconds_before = began - start;
-  if (!code && a->reason[0])
+  if (!code && a->bound > FAR_OFF * g->tolerance) /* the last look was not a whole one */
     code = estimate(g, 1, a, e);
   return code ? code : set_element_bound(a, e);
 }

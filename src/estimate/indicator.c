@@ -297,6 +297,13 @@ static enum rad_code allocate(struct rad_indicator *x, int n_element, int n_band
   return failed ? rad_fail_memory(e, "the error estimate", 48.0 * n_element) : RAD_OK;
 }
 
+double rad_indicator_scale(const struct rad_indicator *x, int n_band) {
+  double most = 0;
+  for (int b = 0; b < n_band; b++)
+    most = fmax(most, x->scale[b]);
+  return most;
+}
+
 void rad_indicator_free(struct rad_indicator *x) {
   free(x->scale);
   free(x->local);

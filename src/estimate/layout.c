@@ -83,11 +83,8 @@ static enum rad_code add_leaf(struct rad_layout *l, struct rad_leaf leaf, struct
 
 /* One whole triangle as a plain patch with k x k points. */
 static enum rad_code add_plain(struct rad_layout *l, int t, int k, struct rad_error *e) {
-  static const double whole[3][2] = {{0, 0}, {1, 0}, {0, 1}};
   int p = l->n_patch++;
-  rad_patch_plain(l->scene, t, whole, &l->patch[p]);
-  l->patch[p].corner = l->scene->triangle[t].vertex[0];
-  l->patch[p].toward = l->scene->triangle[t].vertex[1];
+  rad_patch_whole(l->scene, t, &l->patch[p]);
   l->p_phi[p] = l->p_r[p] = 1;
   return add_leaf(l, (struct rad_leaf){p, {0, 1}, {0, 1}, k, k, -1}, e);
 }

@@ -13,13 +13,10 @@ const int rad_view_rule[RAD_VIEW_LEVELS] = {2, 3, 5, 8, MAX_RULE};
 /* One constant per triangle, from its first vertex: the rows are point-to-triangle factors. */
 static enum rad_code make_mesh(const struct rad_scene *scene, struct rad_mesh *mesh,
                                struct rad_error *e) {
-  static const double corner[3][2] = {{0, 0}, {1, 0}, {0, 1}};
   enum rad_code code = rad_mesh_begin(scene, mesh, e);
   for (int t = 0; t < scene->n_triangle && !code; t++) {
     struct rad_patch patch;
-    rad_patch_plain(scene, t, corner, &patch);
-    patch.corner = scene->triangle[t].vertex[0];
-    patch.toward = scene->triangle[t].vertex[1];
+    rad_patch_whole(scene, t, &patch);
     rad_mesh_add_patch(mesh, &patch);
     rad_mesh_add_element(
         mesh, (struct rad_element){

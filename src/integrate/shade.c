@@ -26,25 +26,10 @@ void rad_shade_free(struct rad_shade *s) {
   *s = (struct rad_shade){0};
 }
 
-/* Room for at least n items, or NULL with the old block kept. */
-static void *grow(void *block, int64_t n, int64_t *room, size_t size) {
-  int64_t want = n > 2 * *room ? n : 2 * *room;
-  void *grown = realloc(block, (size_t)want * size);
-  if (grown)
-    *room = want;
-  return grown;
-}
-
 static int set_frames(const struct rad_occluders *o, int target, int source, const int *blocker,
                       struct rad_shade *s) {
-  if (s->n_blocker > s->frame_room) {
-    int64_t room = s->frame_room;
-    void *grown = grow(s->frame, s->n_blocker, &room, sizeof *s->frame);
-    if (!grown)
-      return -1;
-    s->frame = grown;
-    s->frame_room = (int)room;
-  }
+  if (!rad_reserve((void **)&s->frame, (size_t)s->n_blocker, &s->frame_room, sizeof *s->frame))
+    return -1;
   int n = 0;
   for (int b = 0; b < s->n_blocker; b++) {
     rad_shadow_frame_set(o, target, source, blocker[b], &s->frame[n]);
@@ -57,12 +42,9 @@ static int set_frames(const struct rad_occluders *o, int target, int source, con
 /* Shadows of all blockers for one target. */
 static int cast_one(const struct rad_patch *patch, int base, const double mu[2],
                     struct rad_shade *s) {
-  if (s->n_plane + s->n_blocker > s->plane_room) {
-    void *grown = grow(s->plane, s->n_plane + s->n_blocker, &s->plane_room, sizeof *s->plane);
-    if (!grown)
-      return -1;
-    s->plane = grown;
-  }
+  if (!rad_reserve((void **)&s->plane, (size_t)(s->n_plane + s->n_blocker), &s->plane_room,
+                   sizeof *s->plane))
+    return -1;
   for (int b = 0; b < s->n_blocker; b++) {
     struct rad_shadow shadow;
     rad_shadow_cast(&s->frame[b], base, mu, &shadow);
@@ -83,10 +65,10 @@ int rad_shade_cast(const struct rad_scene *scene, int target, const struct rad_p
   if (set_frames(&v->occluders, target, patch->triangle, blocker, s))
     s->failed = 1;
   for (int i = 0; i < n && !s->failed; i++) {
-    s->first[i] = (int)s->n_plane;
+    s->first[i] = s->n_plane;
     s->failed = cast_one(patch, base[i], mu[i], s) != 0;
   }
-  s->first[n] = (int)s->n_plane;
+  s->first[n] = s->n_plane;
   return !s->failed && s->n_plane > 0;
 }
 
@@ -101,16 +83,11 @@ enum rad_sight rad_shade_polygon(struct rad_shade *s, int i, const struct rad_po
 
 int rad_shade_strips(struct rad_shade *s, const struct rad_patch *patch,
                      const struct rad_element *e) {
-  int most = s->parts.n * RAD_MAX_CORNER, n = 0;
-  if (most > s->strip_room) {
-    int64_t room = s->strip_room;
-    void *grown = grow(s->strip, most, &room, sizeof *s->strip);
-    if (!grown) {
-      s->failed = 1;
-      return 0;
-    }
-    s->strip = grown;
-    s->strip_room = (int)room;
+  int n = 0;
+  if (!rad_reserve((void **)&s->strip, (size_t)s->parts.n * RAD_MAX_CORNER, &s->strip_room,
+                   sizeof *s->strip)) {
+    s->failed = 1;
+    return 0;
   }
   for (int p = 0; p < s->parts.n; p++)
     n += rad_strips(patch, e, &s->parts.part[p], s->strip + n);

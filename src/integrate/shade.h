@@ -2,20 +2,24 @@
 #ifndef RAD_INTEGRATE_SHADE_H
 #define RAD_INTEGRATE_SHADE_H
 
+#include <stddef.h>
+
 #include "integrate/strips.h"
 #include "mesh/mesh.h"
 #include "visibility/visible.h"
 
 /* Memory of one thread. */
 struct rad_shade {
-  int n_blocker, frame_room;
+  int n_blocker;
+  size_t frame_room;
   int *blocker;                   /* owned [occluders] */
   struct rad_shadow_frame *frame; /* owned [frame_room], of the blockers */
-  int64_t plane_room, n_plane;
+  int n_plane;
+  size_t plane_room;
   struct rad_half_planes *plane; /* owned [plane_room] shadows in the patch's (r, r t) */
   int *first;                    /* owned [targets + 1] of each target's shadows */
   struct rad_parts parts;        /* visible parts of an element, in (r, r t) */
-  int strip_room;
+  size_t strip_room;
   struct rad_strip *strip; /* owned [strip_room] */
   int failed;              /* out of memory */
 };

@@ -77,6 +77,13 @@ void rad_patch_plain(const struct rad_scene *scene, int triangle, const double c
   set_frame(tri, p);
 }
 
+void rad_patch_whole(const struct rad_scene *scene, int triangle, struct rad_patch *p) {
+  static const double corner[3][2] = {{0, 0}, {1, 0}, {0, 1}};
+  rad_patch_plain(scene, triangle, corner, p);
+  p->corner = scene->triangle[triangle].vertex[0];
+  p->toward = scene->triangle[triangle].vertex[1];
+}
+
 void rad_patch_mu(const struct rad_patch *p, double phi, double r, double mu[2]) {
   double t = rad_angle_t(p->angle, phi);
   for (int d = 0; d < 2; d++)

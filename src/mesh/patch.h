@@ -40,6 +40,9 @@ void rad_patch_sub_triangle(const struct rad_scene *scene, int triangle, int sub
 void rad_patch_plain(const struct rad_scene *scene, int triangle, const double corner[3][2],
                      struct rad_patch *patch);
 
+/* A whole triangle from its vertex 0, which counts as corner, the edge to vertex 1 as side. */
+void rad_patch_whole(const struct rad_scene *scene, int triangle, struct rad_patch *patch);
+
 /* t(phi) (2.2) and its inverse and derivative. */
 double rad_angle_t(enum rad_angle angle, double phi);
 double rad_angle_dt(enum rad_angle angle, double t);

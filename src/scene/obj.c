@@ -58,18 +58,12 @@ static enum rad_code fail(struct reader *r, int line, const char *fmt, ...) {
 /* printf's arguments for "%.*s" of a word, cut to a readable length */
 #define SHOWN(word) (int)((word).n < 40 ? (word).n : 40), (word).text
 
-/* Room for one more item: *array is grown when n == *room. */
+/* Room for one more item. */
 static enum rad_code make_room(struct reader *r, void **array, size_t n, size_t *room,
                                size_t item) {
-  if (n < *room)
-    return RAD_OK;
-  size_t more = *room ? 2 * *room : 256;
-  void *grown = realloc(*array, more * item);
-  if (!grown)
-    return rad_fail_memory(r->e, "the mesh", (double)more * (double)item);
-  *array = grown;
-  *room = more;
-  return RAD_OK;
+  return rad_reserve(array, n + 1, room, item)
+             ? RAD_OK
+             : rad_fail_memory(r->e, "the mesh", 2 * (double)*room * (double)item);
 }
 
 /* --- vertices --- */

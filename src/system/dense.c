@@ -161,12 +161,11 @@ static enum rad_code run_all(struct rad_dense *dense, const struct rad_rules *ru
 }
 
 /* Pairs of points and elements whose rows or blocks are not needed. */
-static int64_t count_skipped(const struct rad_dense *dense, const unsigned char *passive) {
-  const struct rad_mesh *m = dense->mesh;
+int64_t rad_pairs_skipped(const struct rad_mesh *m, const unsigned char *passive) {
   int n = m->scene->n_triangle;
   int64_t skipped = 0;
   for (int i = 0; i < n; i++) {
-    const unsigned char *sees = dense->sees + (size_t)i * n;
+    const unsigned char *sees = m->scene->visibility->sight + (size_t)i * n;
     int64_t elements = 0;
     for (int j = 0; j < n; j++)
       if (!sees[j] || (passive && passive[i]))
@@ -226,7 +225,7 @@ enum rad_code rad_dense_assemble(const struct rad_mesh *mesh, const struct rad_r
   enum rad_code code = set_groups(dense, e);
   if (!code)
     code = run_all(dense, rules, reuse, e);
-  dense->pairs_skipped = count_skipped(dense, reuse ? reuse->passive : NULL);
+  dense->pairs_skipped = rad_pairs_skipped(mesh, reuse ? reuse->passive : NULL);
   return code;
 }
 

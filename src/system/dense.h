@@ -47,6 +47,10 @@ struct rad_reuse {
 enum rad_code rad_dense_assemble(const struct rad_mesh *mesh, const struct rad_rules *rules,
                                  const struct rad_reuse *reuse, struct rad_dense *dense,
                                  struct rad_error *e);
+/* Pairs of a point and an element that see nothing of each other, or whose rows are not needed;
+ * passive as in rad_reuse, or NULL. */
+int64_t rad_pairs_skipped(const struct rad_mesh *mesh, const unsigned char *passive);
+
 void rad_dense_free(struct rad_dense *dense); /* safe twice */
 
 enum { RAD_MAX_PRODUCT = 8 };

@@ -98,12 +98,6 @@ static double with_care(const struct facets *f, const struct rad_facet_source *s
   return value;
 }
 
-/* An entry of triangles with something between them. (Its visible parts, in the coordinates of
- * rad_facet_part, would each be a closed form.) */
-static double partly(const struct facets *f, int i, int j, struct rad_scratch *scratch) {
-  return by_patch(f, i, j, scratch);
-}
-
 /* Targets first..first+n of column j that see all of its source. */
 static void fill_seen(const struct facets *f, const struct rad_facet_source *source, int first,
                       int n, int j, struct rad_scratch *scratch) {
@@ -150,7 +144,7 @@ static void fill_columns(const struct facets *f, int first, int n, struct rad_sc
         fill_seen(f, &source[c], row, m, j, scratch);
       for (int i = 0; i < m; i++)
         if (sees[i] == RAD_PARTLY)
-          f->k[(size_t)n_point * (size_t)j + (size_t)(row + i)] = partly(f, row + i, j, scratch);
+          f->k[(size_t)n_point * (size_t)j + (size_t)(row + i)] = by_patch(f, row + i, j, scratch);
     }
 }
 

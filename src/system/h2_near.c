@@ -51,18 +51,6 @@ enum rad_code rad_scratch_end(struct rad_scratch *scratch, int n_thread,
   return failed ? rad_fail_memory(e, "the shadows", 0) : RAD_OK;
 }
 
-/* Room for at least n items. */
-static int reserve(void **array, size_t n, size_t *room, size_t item) {
-  if (n <= *room)
-    return 1;
-  void *grown = realloc(*array, n * item);
-  if (!grown)
-    return 0;
-  *array = grown;
-  *room = n;
-  return 1;
-}
-
 static int by_element(const void *a, const void *b) {
   int x = ((const struct piece *)a)->element, y = ((const struct piece *)b)->element;
   return (x > y) - (x < y);
@@ -76,9 +64,9 @@ static int list_pieces(const struct rad_h2 *h, int target, struct strip *s) {
   for (size_t b = near->first[target]; b < near->first[target + 1]; b++)
     n += (size_t)h->tree.cluster[near->source[b]].n_element;
   size_t room = s->room_piece, again = s->room_piece;
-  if (!reserve((void **)&s->piece, n, &room, sizeof *s->piece) ||
-      !reserve((void **)&s->element, n, &again, sizeof(int)) ||
-      !reserve((void **)&s->column, n, &s->room_piece, sizeof(int64_t)))
+  if (!rad_reserve((void **)&s->piece, n, &room, sizeof *s->piece) ||
+      !rad_reserve((void **)&s->element, n, &again, sizeof(int)) ||
+      !rad_reserve((void **)&s->column, n, &s->room_piece, sizeof(int64_t)))
     return -1;
   n = 0;
   for (size_t b = near->first[target]; b < near->first[target + 1]; b++) {
@@ -126,9 +114,9 @@ static int fill_strip(struct rad_h2 *h, const struct rad_rules *rules, int targe
     return 1;
   size_t at = h->near_at[from], size = h->near_at[to] - at, room = s->room_target;
   int n_piece = list_pieces(h, target, s);
-  if (n_piece < 0 || !reserve((void **)&s->value, size, &s->room_value, sizeof(double)) ||
-      !reserve((void **)&s->base, RAD_BATCH, &room, sizeof(int)) ||
-      !reserve((void **)&s->mu, RAD_BATCH, &s->room_target, sizeof *s->mu))
+  if (n_piece < 0 || !rad_reserve((void **)&s->value, size, &s->room_value, sizeof(double)) ||
+      !rad_reserve((void **)&s->base, RAD_BATCH, &room, sizeof(int)) ||
+      !rad_reserve((void **)&s->mu, RAD_BATCH, &s->room_target, sizeof *s->mu))
     return 0;
   for (int first = 0; first < leaf->n; first += RAD_BATCH) {
     int rest = leaf->n - first;
