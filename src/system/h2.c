@@ -15,7 +15,7 @@
 /* Below this distance over the tolerance, rounding of coordinates shows in the kernel
  * (theory 14.1). */
 #define ROUNDING 4e-15
-#define SHARE 0.15 /* of the tolerance: the cut of one block's basis */
+#define SHARE 0.1 /* of the tolerance: the cut of one block's basis */
 
 enum rad_code rad_h2_divide(const struct rad_mesh *mesh, double tolerance, struct rad_tree *tree,
                             struct rad_blocks *blocks, struct rad_error *e) {

@@ -2,16 +2,17 @@
 
 #include <cblas.h>
 #include <lapacke.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/memory.h"
+#include "base/scramble.h"
 #include "system/h2_leaf.h"
 
 enum {
   TASK = 2048, /* unknowns of a subtree that is worth a task */
-  BAND = 32,   /* columns of a factorization at a time */
-  AT_ONCE = 8  /* blocks of a factorization */
+  SPREAD = 4   /* sketched columns that take a part of one column */
 };
 #define REST 0.05 /* of the cut: what weights may lose */
 
@@ -35,88 +36,80 @@ static int has_blocks(const struct work *w, int cluster) {
   return w->goal->far->first[cluster + 1] > w->goal->far->first[cluster];
 }
 
-/* Rows of weights under one another, each for the nodes of the cluster. */
+/* Weights under way: columns for the nodes of the cluster. */
 struct stack {
-  size_t n, ld;       /* rows, room */
-  double *z;          /* owned [ld, n_node] */
-  double *kernel, *t; /* owned [n_node, n_node], [BAND, n_node] */
+  size_t n;       /* columns */
+  double *z;      /* owned [n_node, n] */
+  double *kernel; /* owned [n_node, n_node] */
 };
 
 /* The kernel between a cluster and one partner times the partner's share in a row sum: |s'| of the
- * source, and the roots of the partner's mean weights (theory 14.5). A row for each of its nodes.
- */
-static void push_block(const struct work *w, int cluster, int partner, struct stack *s) {
+ * source, and the roots of the partner's mean weights (theory 14.5), a column for each node of the
+ * partner. There are many more columns than directions in them: each is added with random signs to
+ * SPREAD of the `n` sketched columns from `first` on (theory 14.8). */
+static void sketch_block(const struct work *w, int cluster, int partner, int number, size_t first,
+                         struct stack *s) {
   const struct rad_interpolation *p = w->goal->interpolation;
   const struct rad_cluster *own = &w->tree->cluster[cluster], *other = &w->tree->cluster[partner];
-  int is_row = w->goal->kind == RAD_BASIS_ROW;
-  double area = is_row ? other->area : own->area, *out = s->z + s->n;
-  rad_interpolation_kernel(p, w->tree, is_row ? own : other, is_row ? other : own, s->kernel);
-  for (size_t a = 0; a < w->n; a++) /* of the cluster; b: of the partner */
-    for (size_t b = 0; b < w->n; b++)
-      out[b + s->ld * a] = s->kernel[is_row ? a + w->n * b : b + w->n * a] * area * p->root[b];
-  s->n += w->n;
+  double area = w->goal->kind == RAD_BASIS_ROW ? other->area : own->area;
+  size_t n = w->n;
+  rad_interpolation_kernel(p, w->tree, own, other, s->kernel); /* G is symmetric */
+  for (size_t b = 0; b < n; b++) {
+    const double *column = s->kernel + n * b;
+    for (size_t k = 0; k < SPREAD; k++) {
+      uint64_t draw = rad_scramble(((uint64_t)number * n + b) * SPREAD + k);
+      double *to = s->z + n * (first + (size_t)(draw >> 1) % n);
+      double factor = area * p->root[b] * (draw & 1 ? 1 : -1) / sqrt(SPREAD);
+#pragma omp simd
+      for (size_t a = 0; a < n; a++)
+        to[a] += factor * column[a];
+    }
+  }
 }
 
-/* As few rows R with R^T R = z^T z. dgeqrf would not use matrix products for matrices this small;
- * dgeqrt does. */
-static int reduce_stack(size_t n, struct stack *s) {
-  int band = (int)n < BAND ? (int)n : BAND;
-  if (s->n <= n)
-    return 1;
-  if (LAPACKE_dgeqrt(LAPACK_COL_MAJOR, (int)s->n, (int)n, band, s->z, (int)s->ld, s->t, band))
-    return 0;
-  for (size_t a = 0; a < n; a++)
-    for (size_t b = a + 1; b < n; b++)
-      s->z[b + s->ld * a] = 0;
-  s->n = n;
-  return 1;
-}
-
-/* The stack's rows as weights z [n_node, kept], without what is below `least` in the mean square
+/* The stack's columns as weights z [n_node, kept], without what is below `least` in the mean square
  * over the cluster: by QR with pivots, which costs a third of an SVD here and keeps little more.
  * Returns their number, or -1. */
 static int principal(const struct work *w, const struct stack *s, double least, double *z) {
-  size_t n = w->n, kept = 0, most = s->n < n ? s->n : n;
+  size_t n = w->n, m = s->n, kept = 0, most = m < n ? m : n;
   const double *root = w->goal->interpolation->root;
   lapack_int *pivot = rad_calloc(n, sizeof *pivot);
-  for (size_t a = 0; a < n; a++)
-    for (size_t b = 0; b < s->n; b++)
-      s->z[b + s->ld * a] *= root[a];
-  int done =
-      pivot && !LAPACKE_dgeqp3(LAPACK_COL_MAJOR, (int)s->n, (int)n, s->z, (int)s->ld, pivot, s->t);
-  while (done && kept < most && fabs(s->z[kept + s->ld * kept]) > least)
+  double *rows = rad_alloc(m * n, sizeof(double)), *t = rad_alloc(n, sizeof(double));
+  for (size_t a = 0; a < n && rows; a++)
+    for (size_t b = 0; b < m; b++)
+      rows[b + m * a] = root[a] * s->z[a + n * b];
+  int done = pivot && rows && t &&
+             !LAPACKE_dgeqp3(LAPACK_COL_MAJOR, (int)m, (int)n, rows, (int)m, pivot, t);
+  while (done && kept < most && fabs(rows[kept + m * kept]) > least)
     kept++;
   for (size_t c = 0; c < kept; c++)
     for (size_t a = 0; a < n; a++) {
       size_t node = (size_t)pivot[a] - 1;
-      z[n * c + node] = a < c ? 0 : s->z[c + s->ld * a] / root[node];
+      z[n * c + node] = a < c ? 0 : rows[c + m * a] / root[node];
     }
   free(pivot);
+  free(rows);
+  free(t);
   return done ? (int)kept : -1;
 }
 
 /* Add the far blocks of a cluster to the weights that came from its parent. */
 static int add_blocks(const struct work *w, int cluster, struct weights *own) {
   const struct rad_block_list *far = w->goal->far;
-  size_t n = w->n;
-  struct stack s = {.n = (size_t)own->n, .ld = (1 + AT_ONCE) * n};
-  s.z = rad_alloc(s.ld * n, sizeof(double));
+  size_t n = w->n, above = (size_t)own->n, from = far->first[cluster];
+  struct stack s = {.n = above + n};
+  s.z = rad_calloc(n * s.n, sizeof(double));
   s.kernel = rad_alloc(n * n, sizeof(double));
-  s.t = rad_alloc(BAND * n, sizeof(double));
   double *z = rad_alloc(n * n, sizeof(double));
-  int done = s.z && s.kernel && s.t && z, kept = -1;
-  for (size_t i = 0; done && i < n * s.n; i++)
-    s.z[i / n + s.ld * (i % n)] = own->z[i];
-  for (size_t b = far->first[cluster]; b < far->first[cluster + 1] && done; b++) {
-    push_block(w, cluster, far->source[b], &s);
-    if (s.n > AT_ONCE * n || b + 1 == far->first[cluster + 1])
-      done = reduce_stack(n, &s);
-  }
-  if (done)
+  int kept = -1;
+  if (s.z && s.kernel && z) {
+    memcpy(s.z, own->z, sizeof(double) * n * above);
+    for (size_t b = from; b < far->first[cluster + 1]; b++)
+      sketch_block(w, cluster, far->source[b], (int)(b - from), above, &s);
     kept = principal(w, &s, REST * w->goal->cut, z);
+  }
   free(s.z);
   free(s.kernel);
-  free(s.t);
   free(own->z);
   *own = (struct weights){kept, z};
   return kept >= 0;

@@ -4,6 +4,7 @@
 
 #include "base/clock.h"
 #include "base/memory.h"
+#include "base/scramble.h"
 #include "system/h2.h"
 #include "system/h2_near.h"
 #include "visibility/visibility.h"
@@ -14,14 +15,6 @@ enum {
   PIECES = 256 /* elements at a time */
 };
 
-/* A number that looks random, 0 <= x < 1 (splitmix64). */
-static double scramble(uint64_t i) {
-  i += 0x9e3779b97f4a7c15u;
-  i = (i ^ (i >> 30)) * 0xbf58476d1ce4e5b9u;
-  i = (i ^ (i >> 27)) * 0x94d049bb133111ebu;
-  return (double)((i ^ (i >> 31)) >> 11) * 0x1p-53;
-}
-
 /* Vector v of the check at an unknown: 1; waves of three directions; signs of points, of leaves. */
 static double probe(const struct rad_h2 *h, int v, int unknown, int leaf) {
   if (v == 0)
@@ -30,11 +23,11 @@ static double probe(const struct rad_h2 *h, int v, int unknown, int leaf) {
     double x[3], phase = 0, wave = 6.0 * v / h->mesh->scene->size;
     rad_point_position(h->mesh, unknown, x);
     for (int d = 0; d < 3; d++)
-      phase += wave * (scramble((uint64_t)(10 * v + d)) - 0.5) * 2 * x[d];
+      phase += wave * (rad_scramble_unit((uint64_t)(10 * v + d)) - 0.5) * 2 * x[d];
     return cos(phase);
   }
   uint64_t key = (uint64_t)(v < 6 ? unknown : leaf);
-  return scramble(key + ((uint64_t)v << 40)) < 0.5 ? -1 : 1;
+  return rad_scramble_unit(key + ((uint64_t)v << 40)) < 0.5 ? -1 : 1;
 }
 
 static void set_probes(const struct rad_h2 *h, double *z) {
@@ -53,7 +46,7 @@ struct group {
 };
 
 static void set_group(const struct rad_h2 *h, int number, struct group *g) {
-  int n = h->mesh->n_point, at = (int)(scramble((uint64_t)number + 12345) * n);
+  int n = h->mesh->n_point, at = (int)(rad_scramble_unit((uint64_t)number + 12345) * n);
   int t = g->triangle = rad_point_triangle(h->mesh, h->tree.unknown[at]);
   int end = h->mesh->point_first[t + 1];
   g->n = end - at < ROWS ? end - at : ROWS;
