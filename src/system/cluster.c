@@ -108,7 +108,7 @@ static int divide(struct rad_tree *tree, const struct item *item, const struct r
 static int split(struct rad_tree *tree, const struct item *item, int parent, int *room,
                  int *spare) {
   struct rad_cluster c = tree->cluster[parent];
-  if (c.n <= RAD_LEAF || c.n_element < 2)
+  if (c.n <= tree->leaf || c.n_element < 2)
     return 1;
   if (tree->n_cluster + 2 > *room) {
     struct rad_cluster *grown = realloc(tree->cluster, 2 * (size_t)*room * sizeof *tree->cluster);
@@ -166,11 +166,11 @@ static int finish(struct rad_tree *tree) {
   return 1;
 }
 
-enum rad_code rad_tree_build(const struct rad_mesh *mesh, struct rad_tree *tree,
+enum rad_code rad_tree_build(const struct rad_mesh *mesh, int leaf, struct rad_tree *tree,
                              struct rad_error *e) {
   size_t n_triangle = (size_t)mesh->scene->n_triangle, n_element = (size_t)mesh->n_element;
-  int room = mesh->scene->n_triangle + mesh->n_point / RAD_LEAF + 2;
-  *tree = (struct rad_tree){.mesh = mesh};
+  int room = mesh->scene->n_triangle + mesh->n_point / leaf + 2;
+  *tree = (struct rad_tree){.mesh = mesh, .leaf = leaf};
   tree->plane = rad_alloc(n_triangle, sizeof *tree->plane);
   tree->element = rad_alloc(n_element, sizeof(int));
   tree->cluster = rad_alloc((size_t)room, sizeof *tree->cluster);

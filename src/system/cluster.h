@@ -5,7 +5,7 @@
 #include "mesh/mesh.h"
 #include "visibility/clip.h"
 
-enum { RAD_LEAF = 64 }; /* unknowns of a leaf, or one element if that has more */
+enum { RAD_LEAF = 64 }; /* unknowns of a leaf of the hierarchical matrix */
 
 /* A triangle's frame: y = origin + y0 axis[0] + y1 axis[1], axis[2] the radiating normal. */
 struct rad_plane {
@@ -28,7 +28,7 @@ struct rad_cluster {
  */
 struct rad_tree {
   const struct rad_mesh *mesh; /* borrowed */
-  int n_cluster, n_level;
+  int n_cluster, n_level, leaf;
   struct rad_cluster *cluster; /* owned [n_cluster]; the root of triangle t is number t */
   int *level_first;            /* owned [n_level + 1] */
   int *element;                /* owned [n_element] elements in the tree's order */
@@ -37,10 +37,11 @@ struct rad_tree {
 };
 
 /**
+ * @param[in]  leaf  most unknowns of a leaf, or one element if that has more
  * @param[out] tree  to be freed with rad_tree_free, also after an error
  * Cost n_element log n_element.
  */
-enum rad_code rad_tree_build(const struct rad_mesh *mesh, struct rad_tree *tree,
+enum rad_code rad_tree_build(const struct rad_mesh *mesh, int leaf, struct rad_tree *tree,
                              struct rad_error *e);
 void rad_tree_free(struct rad_tree *tree); /* safe twice */
 

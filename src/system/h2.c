@@ -17,9 +17,9 @@
 #define ROUNDING 4e-15
 #define SHARE 0.1 /* of the tolerance: the cut of one block's basis */
 
-enum rad_code rad_h2_divide(const struct rad_mesh *mesh, double tolerance, struct rad_tree *tree,
-                            struct rad_blocks *blocks, struct rad_error *e) {
-  enum rad_code code = rad_tree_build(mesh, tree, e);
+enum rad_code rad_h2_divide(const struct rad_mesh *mesh, int leaf, double tolerance,
+                            struct rad_tree *tree, struct rad_blocks *blocks, struct rad_error *e) {
+  enum rad_code code = rad_tree_build(mesh, leaf, tree, e);
   if (!code)
     code = rad_blocks_build(tree, ROUNDING * mesh->scene->size / tolerance, blocks, e);
   return code;
@@ -182,7 +182,7 @@ enum rad_code rad_h2_build(const struct rad_mesh *mesh, const struct rad_rules *
   *h = (struct rad_h2){
       .mesh = mesh, .sees = mesh->scene->visibility->sight, .tolerance = fmax(tolerance, 1e-13)};
   double start = rad_seconds();
-  enum rad_code code = rad_h2_divide(mesh, h->tolerance, &h->tree, &h->blocks, e);
+  enum rad_code code = rad_h2_divide(mesh, RAD_LEAF, h->tolerance, &h->tree, &h->blocks, e);
   h->seconds_blocks = rad_seconds() - start;
   if (!code)
     code = build_far(h, e);

@@ -51,9 +51,9 @@ struct rad_h2_plan {
   double near_entries; /* exact */
 };
 
-/* Cluster trees and blocks for a tolerance. */
-enum rad_code rad_h2_divide(const struct rad_mesh *mesh, double tolerance, struct rad_tree *tree,
-                            struct rad_blocks *blocks, struct rad_error *e);
+/* Cluster trees with leaves of a size, and blocks for a tolerance. */
+enum rad_code rad_h2_divide(const struct rad_mesh *mesh, int leaf, double tolerance,
+                            struct rad_tree *tree, struct rad_blocks *blocks, struct rad_error *e);
 
 #define RAD_NARROW 0.99e-7 /* single precision errs by 6e-8 of an entry at most */
 

@@ -20,14 +20,19 @@ static inline void at_point(const struct rad_interpolation *p, const struct rad_
       c[i + p->q * j] = one[0][i] * one[1][j];
 }
 
+void rad_leaf_polynomials(const struct rad_interpolation *p, const struct rad_tree *tree,
+                          const struct rad_cluster *leaf, const double x[3], double *c) {
+  double offset[3];
+  rad_sub(x, tree->plane[leaf->triangle].origin, offset);
+  at_point(p, &tree->plane[leaf->triangle], leaf, offset, c);
+}
+
 void rad_leaf_values(const struct rad_interpolation *p, const struct rad_tree *tree,
                      const struct rad_cluster *leaf, double *v) {
-  const struct rad_plane *plane = &tree->plane[leaf->triangle];
   for (int l = 0; l < leaf->n; l++) {
-    double x[3], offset[3];
+    double x[3];
     rad_point_position(tree->mesh, tree->unknown[leaf->first + l], x);
-    rad_sub(x, plane->origin, offset);
-    at_point(p, plane, leaf, offset, v + (size_t)l * (size_t)p->n);
+    rad_leaf_polynomials(p, tree, leaf, x, v + (size_t)l * (size_t)p->n);
   }
 }
 

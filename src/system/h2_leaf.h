@@ -4,6 +4,10 @@
 
 #include "system/interpolate.h"
 
+/* c[m] = C_m(x) at a point in the rectangle of a leaf. */
+void rad_leaf_polynomials(const struct rad_interpolation *p, const struct rad_tree *tree,
+                          const struct rad_cluster *leaf, const double x[3], double *c);
+
 /* v[m + n_node l] = C_m(x_l) for the points l of a leaf (theory 14.2). */
 void rad_leaf_values(const struct rad_interpolation *p, const struct rad_tree *tree,
                      const struct rad_cluster *leaf, double *v);

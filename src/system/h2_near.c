@@ -6,18 +6,10 @@
 
 #include "base/memory.h"
 
-/* An element of a strip and the strip's column that it begins at. */
-struct piece {
-  int element;
-  int64_t column;
-};
-
 /* Memory of one thread. */
 struct strip {
-  size_t room_piece, room_value, room_target;
-  struct piece *piece;     /* owned */
-  int *element;            /* owned [room_piece] */
-  int64_t *column;         /* owned [room_piece] */
+  struct rad_near_list list;
+  size_t room_value, room_target;
   int *base;               /* owned [room_target] */
   double (*mu)[2], *value; /* owned [room_target]; owned [room_value] */
 };
@@ -52,54 +44,63 @@ enum rad_code rad_scratch_end(struct rad_scratch *scratch, int n_thread,
 }
 
 static int by_element(const void *a, const void *b) {
-  int x = ((const struct piece *)a)->element, y = ((const struct piece *)b)->element;
+  int x = ((const struct rad_near_piece *)a)->element;
+  int y = ((const struct rad_near_piece *)b)->element;
   return (x > y) - (x < y);
 }
 
-/* The elements of all near sources of a leaf, ascending; returns their number, or -1. */
-static int list_pieces(const struct rad_h2 *h, int target, struct strip *s) {
-  const struct rad_block_list *near = &h->blocks.near;
+int rad_near_list(const struct rad_tree *tree, const struct rad_block_list *near, int target,
+                  struct rad_near_list *list) {
   size_t n = 0;
   int64_t column = 0;
   for (size_t b = near->first[target]; b < near->first[target + 1]; b++)
-    n += (size_t)h->tree.cluster[near->source[b]].n_element;
-  size_t room = s->room_piece, again = s->room_piece;
-  if (!rad_reserve((void **)&s->piece, n, &room, sizeof *s->piece) ||
-      !rad_reserve((void **)&s->element, n, &again, sizeof(int)) ||
-      !rad_reserve((void **)&s->column, n, &s->room_piece, sizeof(int64_t)))
-    return -1;
+    n += (size_t)tree->cluster[near->source[b]].n_element;
+  size_t room = list->room, again = list->room;
+  if (!rad_reserve((void **)&list->piece, n, &room, sizeof *list->piece) ||
+      !rad_reserve((void **)&list->element, n, &again, sizeof(int)) ||
+      !rad_reserve((void **)&list->column, n, &list->room, sizeof(int64_t)))
+    return 0;
   n = 0;
   for (size_t b = near->first[target]; b < near->first[target + 1]; b++) {
-    const struct rad_cluster *c = &h->tree.cluster[near->source[b]];
+    const struct rad_cluster *c = &tree->cluster[near->source[b]];
     for (int i = c->element; i < c->element + c->n_element; i++) {
-      s->piece[n++] = (struct piece){h->tree.element[i], column};
-      column += h->mesh->element[h->tree.element[i]].n_function;
+      list->piece[n++] = (struct rad_near_piece){tree->element[i], column};
+      column += tree->mesh->element[tree->element[i]].n_function;
     }
   }
-  qsort(s->piece, n, sizeof *s->piece, by_element);
+  qsort(list->piece, n, sizeof *list->piece, by_element);
   for (size_t i = 0; i < n; i++) {
-    s->element[i] = s->piece[i].element;
-    s->column[i] = s->piece[i].column;
+    list->element[i] = list->piece[i].element;
+    list->column[i] = list->piece[i].column;
   }
-  return (int)n;
+  list->n = (int)n;
+  return 1;
+}
+
+void rad_near_list_free(struct rad_near_list *list) {
+  free(list->piece);
+  free(list->element);
+  free(list->column);
+  *list = (struct rad_near_list){0};
 }
 
 /* All pieces for rows first .. first + n of a leaf. */
 static void integrate(const struct rad_h2 *h, const struct rad_rules *rules,
-                      const struct rad_cluster *leaf, int first, int n, int n_piece,
-                      const struct strip *s, struct rad_scratch *scratch) {
+                      const struct rad_cluster *leaf, int first, int n, const struct strip *s,
+                      struct rad_scratch *scratch) {
   const struct rad_mesh *mesh = h->mesh;
+  const struct rad_near_list *list = &s->list;
   for (int i = 0; i < n; i++) {
     int point = h->tree.unknown[leaf->first + first + i];
     s->base[i] = mesh->point_base[point];
     memcpy(s->mu[i], mesh->point_mu[point], sizeof s->mu[i]);
   }
   struct rad_targets targets = {leaf->triangle, n, s->base, (const double(*)[2])s->mu, NULL};
-  for (int i = 0, end; i < n_piece; i = end) {
-    int patch = mesh->element[s->element[i]].patch;
-    for (end = i + 1; end < n_piece && mesh->element[s->element[end]].patch == patch;)
+  for (int i = 0, end; i < list->n; i = end) {
+    int patch = mesh->element[list->element[i]].patch;
+    for (end = i + 1; end < list->n && mesh->element[list->element[end]].patch == patch;)
       end++;
-    rad_element_list_block(mesh, rules, &targets, end - i, s->element + i, s->column + i,
+    rad_element_list_block(mesh, rules, &targets, end - i, list->element + i, list->column + i,
                            s->value + first, leaf->n, scratch);
   }
 }
@@ -113,14 +114,14 @@ static int fill_strip(struct rad_h2 *h, const struct rad_rules *rules, int targe
   if (from == to)
     return 1;
   size_t at = h->near_at[from], size = h->near_at[to] - at, room = s->room_target;
-  int n_piece = list_pieces(h, target, s);
-  if (n_piece < 0 || !rad_reserve((void **)&s->value, size, &s->room_value, sizeof(double)) ||
+  if (!rad_near_list(&h->tree, near, target, &s->list) ||
+      !rad_reserve((void **)&s->value, size, &s->room_value, sizeof(double)) ||
       !rad_reserve((void **)&s->base, RAD_BATCH, &room, sizeof(int)) ||
       !rad_reserve((void **)&s->mu, RAD_BATCH, &s->room_target, sizeof *s->mu))
     return 0;
   for (int first = 0; first < leaf->n; first += RAD_BATCH) {
     int rest = leaf->n - first;
-    integrate(h, rules, leaf, first, rest < RAD_BATCH ? rest : RAD_BATCH, n_piece, s, scratch);
+    integrate(h, rules, leaf, first, rest < RAD_BATCH ? rest : RAD_BATCH, s, scratch);
   }
   for (size_t i = 0; i < size && h->near_narrow; i++)
     h->near_narrow[at + i] = (float)s->value[i];
@@ -169,9 +170,7 @@ enum rad_code rad_h2_near(struct rad_h2 *h, const struct rad_rules *rules, int n
     failed = 1;
   }
   for (int t = 0; t < n_thread && strip; t++) {
-    free(strip[t].piece);
-    free(strip[t].element);
-    free(strip[t].column);
+    rad_near_list_free(&strip[t].list);
     free(strip[t].base);
     free(strip[t].mu);
     free(strip[t].value);

@@ -8,6 +8,27 @@
 enum rad_code rad_h2_near(struct rad_h2 *h, const struct rad_rules *rules, int narrow,
                           struct rad_error *e);
 
+/* An element of a leaf's near sources, and the column that it begins at if the blocks stand side by
+ * side. */
+struct rad_near_piece {
+  int element;
+  int64_t column;
+};
+
+/* The elements of all near sources of a leaf, ascending; zero at first, used again and again. */
+struct rad_near_list {
+  int n;
+  int *element;                 /* owned [n] */
+  int64_t *column;              /* owned [n] */
+  size_t room;                  /* of each array */
+  struct rad_near_piece *piece; /* owned, for sorting */
+};
+
+/* 0 without memory. */
+int rad_near_list(const struct rad_tree *tree, const struct rad_block_list *near, int target,
+                  struct rad_near_list *list);
+void rad_near_list_free(struct rad_near_list *list); /* safe twice */
+
 /* One integrator for each thread, or none at all. */
 struct rad_scratch *rad_scratch_make(const struct rad_mesh *mesh, int n_thread,
                                      struct rad_error *e);

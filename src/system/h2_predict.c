@@ -58,7 +58,7 @@ enum rad_code rad_h2_predict(const struct rad_mesh *mesh, double tolerance,
                              struct rad_h2_plan *plan, struct rad_error *e) {
   struct rad_tree tree = {0};
   struct rad_blocks blocks = {0};
-  enum rad_code code = rad_h2_divide(mesh, tolerance, &tree, &blocks, e);
+  enum rad_code code = rad_h2_divide(mesh, RAD_LEAF, tolerance, &tree, &blocks, e);
   size_t n = (size_t)tree.n_cluster;
   unsigned char *has = rad_calloc(2 * n, 1);
   double *rank = rad_alloc(2 * n, sizeof(double)), bases, far;
