@@ -9,7 +9,7 @@
 #include "base/memory.h"
 #include "output/stamp.h"
 
-static const char *mesh_name[] = {"paper", "graded", "uniform"};
+static const char *mesh_name[] = {"paper", "graded", "uniform", "geometric"};
 static const char *solver_name[] = {"auto", "lu", "gmres", "neumann"};
 
 static void print_notes(const struct rad_case *c, FILE *log) {
@@ -26,8 +26,11 @@ static void print_head(const struct rad_case *c, FILE *out) {
     fprintf(out, "  accuracy %.3g of the largest radiosity\n", c->tolerance);
     return;
   }
-  fprintf(out, "  mesh     %s, N = %d, p = %g, degree %d: %d elements, %d unknowns\n",
-          mesh_name[m->mesh], m->elements, m->grading, m->degree, c->mesh->n_element,
+  int geometric = m->mesh == RAD_MESH_GEOMETRIC;
+  fprintf(out, "  mesh     %s, N = %d, %s = %g, degree %d%s: %d elements, %d unknowns\n",
+          mesh_name[m->mesh], m->elements, geometric ? "ratio" : "p",
+          geometric ? m->ratio : m->grading, m->degree,
+          m->nodes.kind == RAD_NODES_GAUSS ? "" : ", NOT GAUSS POINTS", c->mesh->n_element,
           c->mesh->n_point);
 }
 

@@ -70,15 +70,3 @@ void rad_lagrange_from_legendre(const struct rad_gauss *g, int k, double *t) {
       t[a * k + m] *= 0.5 * (2 * m + 1) * w[a];
   }
 }
-
-void rad_lagrange(const struct rad_gauss *g, int k, double x, double *value) {
-  double p[RAD_GAUSS_MAX], q[RAD_GAUSS_MAX];
-  const double *node = rad_gauss_node(g, k), *w = rad_gauss_weight(g, k);
-  rad_legendre(k, x, p);
-  for (int a = 0; a < k; a++) {
-    rad_legendre(k, node[a], q);
-    value[a] = 0;
-    for (int m = 0; m < k; m++)
-      value[a] += 0.5 * (2 * m + 1) * w[a] * q[m] * p[m];
-  }
-}

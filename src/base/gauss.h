@@ -27,15 +27,12 @@ static inline const double *rad_gauss_weight(const struct rad_gauss *g, int n) {
 void rad_legendre(int k, double x, double *p);
 
 /**
- * Values of the k Lagrange polynomials on the k Gauss points, at x.
+ * The Lagrange polynomials on the k Gauss points in terms of Legendre polynomials.
  *
  *   L_a(x) = sum_m T[a,m] P_m(x),  T[a,m] = (2m+1)/2 w_a P_m(x_a)              (theory 4.3)
  *
- * @param[out] value  [k]
+ * @param[out] t  [k, k] row-major: row a, column m
  */
-void rad_lagrange(const struct rad_gauss *g, int k, double x, double *value);
-
-/* The matrix T of (4.3), [k, k] row-major: row a, column m. */
 void rad_lagrange_from_legendre(const struct rad_gauss *g, int k, double *t);
 
 #endif

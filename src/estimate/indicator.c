@@ -51,9 +51,9 @@ static void interpolate(const struct rad_mesh *mesh, const struct rad_element *e
                         const struct rad_element *f, const double *u, double *value) {
   double lp[RAD_GAUSS_MAX][RAD_GAUSS_MAX], lr[RAD_GAUSS_MAX][RAD_GAUSS_MAX];
   for (int i = 0; i < f->k_phi; i++)
-    rad_lagrange(&mesh->gauss, e->k_phi, rad_gauss_node(&mesh->gauss, f->k_phi)[i], lp[i]);
+    rad_lagrange(&mesh->nodes, e->k_phi, rad_gauss_node(&mesh->gauss, f->k_phi)[i], lp[i]);
   for (int j = 0; j < f->k_r; j++)
-    rad_lagrange(&mesh->gauss, e->k_r, rad_gauss_node(&mesh->gauss, f->k_r)[j], lr[j]);
+    rad_lagrange(&mesh->nodes, e->k_r, rad_gauss_node(&mesh->gauss, f->k_r)[j], lr[j]);
   for (int j = 0; j < f->k_r; j++)
     for (int i = 0; i < f->k_phi; i++) {
       double sum = 0;
@@ -203,8 +203,10 @@ static enum rad_code set_checks(struct work *w, int rest, struct rad_error *e) {
     for (int q = 0; q < SIDE * SIDE && !passive(w, i); q++) {
       int a = q % SIDE, c = q / SIDE, limit = a == N || c == N;
       int later = (a < N && a % 2) || (c < N && c % 2);
-      if ((a == N && el->sigma[0] > 0) || (c == N && el->tau[0] > 0))
-        continue; /* no limit inside the triangle */
+      if ((a == N && el->sigma[0] > 0) || (c == N && el->tau[0] > 0) ||
+          (limit && patch->corner < 0))
+        continue; /* no limit inside the triangle, or where positions are not relative to the edge
+                   */
       if (later != rest || (limit && later))
         continue;
       double phi = check_at(a, N, el->sigma[0], el->sigma[1], el->p_phi);
@@ -268,6 +270,8 @@ static enum rad_code check(struct work *w, struct rad_error *e) {
     return rad_fail_memory(e, "the error estimate", 8.0 * n_thread * n_element);
   enum rad_code code = rad_visit_rows(&w->fine, &w->rules, w->sees, &w->check, add_parts, w, e);
   struct rad_indicator *x = w->x;
+  for (int p = 0; p < w->mesh->n_patch; p++)
+    x->limit = w->mesh->patch[p].corner < 0 ? INFINITY : x->limit;
   for (int t = 0; t < n_thread && !code; t++)
     for (int i = 0; i < n_element; i++)
       x->part[i] = fmax(x->part[i], w->part[(size_t)t * (size_t)n_element + (size_t)i]);
@@ -324,7 +328,7 @@ static int shaded(const struct work *w, int triangle) {
 /* The mesh with more points in each direction of every element that has unknowns. */
 static enum rad_code finer_mesh(struct work *w, struct rad_error *e) {
   const struct rad_mesh *m = w->mesh;
-  enum rad_code code = rad_mesh_begin(m->scene, &w->fine, e);
+  enum rad_code code = rad_mesh_begin(m->scene, NULL, &w->fine, e);
   for (int p = 0; p < m->n_patch && !code; p++) {
     rad_mesh_add_patch(&w->fine, &m->patch[p]);
     for (int i = m->element_first[p]; i < m->element_first[p + 1]; i++) {

@@ -31,9 +31,8 @@ struct rad_indicator {
  * kinks, twice as many. */
 enum { RAD_MORE = 2, RAD_MORE_SHADED = 4 };
 
-/* Distance of the check points nearest to edges and vertices, as phi or r; and of limit points. */
+/* Distance of the check points nearest to edges and vertices, as phi or r. */
 #define RAD_NEAREST 1e-7
-#define RAD_LIMIT 1e-25
 
 /**
  * @param[in]  mesh     without folded elements

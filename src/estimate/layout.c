@@ -177,7 +177,7 @@ double rad_layout_unknowns(const struct rad_layout *l) {
 
 enum rad_code rad_layout_mesh(const struct rad_layout *l, struct rad_mesh *mesh,
                               struct rad_error *e) {
-  enum rad_code code = rad_mesh_begin(l->scene, mesh, e);
+  enum rad_code code = rad_mesh_begin(l->scene, NULL, mesh, e);
   for (int p = 0, i = 0; p < l->n_patch && !code; p++) {
     rad_mesh_add_patch(mesh, &l->patch[p]);
     for (; i < l->n_leaf && l->leaf[i].patch == p; i++) {

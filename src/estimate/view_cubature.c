@@ -13,7 +13,7 @@ const int rad_view_rule[RAD_VIEW_LEVELS] = {2, 3, 5, 8, MAX_RULE};
 /* One constant per triangle, from its first vertex: the rows are point-to-triangle factors. */
 static enum rad_code make_mesh(const struct rad_scene *scene, struct rad_mesh *mesh,
                                struct rad_error *e) {
-  enum rad_code code = rad_mesh_begin(scene, mesh, e);
+  enum rad_code code = rad_mesh_begin(scene, NULL, mesh, e);
   for (int t = 0; t < scene->n_triangle && !code; t++) {
     struct rad_patch patch;
     rad_patch_whole(scene, t, &patch);

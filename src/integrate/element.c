@@ -174,12 +174,13 @@ static void far_targets(const struct rad_mesh *mesh, const struct rad_rules *rul
 /* One element as the near integrator sees it; x is still to be set. */
 static struct rad_near near_work(const struct rad_mesh *mesh, const struct rad_rules *rules,
                                  const struct rad_view *view, const struct rad_element *e) {
+  double loss = mesh->nodes.loss[e->k_phi] * mesh->nodes.loss[e->k_r];
   return (struct rad_near){.gauss = &mesh->gauss,
                            .patch = &mesh->patch[e->patch],
                            .element = e,
-                           .to_lagrange_phi = rules->to_lagrange[e->k_phi],
-                           .to_lagrange_r = rules->to_lagrange[e->k_r],
-                           .digits = log(100 / rules->tolerance),
+                           .to_lagrange_phi = rad_nodes_matrix(&mesh->nodes, e->k_phi),
+                           .to_lagrange_r = rad_nodes_matrix(&mesh->nodes, e->k_r),
+                           .digits = log(100 * loss / rules->tolerance),
                            .n0 = view->n0,
                            .na = view->na,
                            .nb = view->nb};

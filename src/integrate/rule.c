@@ -85,8 +85,9 @@ void rad_panel_reach(const struct rad_gauss *g, const struct rad_panel *panel, d
   }
 }
 
-static enum rad_code set_tables(const struct rad_gauss *g, struct rad_panel *p,
+static enum rad_code set_tables(const struct rad_mesh *mesh, struct rad_panel *p,
                                 struct rad_error *e) {
+  const struct rad_gauss *g = &mesh->gauss;
   size_t total = 0;
   for (int o = 0; o < RAD_N_ORDER; o++)
     total += (size_t)rad_order[o] * (size_t)(p->k + 1);
@@ -101,7 +102,7 @@ static enum rad_code set_tables(const struct rad_gauss *g, struct rad_panel *p,
     next += n * (p->k + 1);
     for (int q = 0; q < n; q++) {
       double half = 0.5 * (p->hi - p->lo), tau = p->lo + (1 + x[q]) * half, lagrange[RAD_GAUSS_MAX];
-      rad_lagrange(g, p->k, x[q], lagrange);
+      rad_lagrange(&mesh->nodes, p->k, x[q], lagrange);
       p->point[o][q] = position(p, tau);
       double factor = w[q] * half * jacobian(p, tau, p->point[o][q]);
       for (int a = 0; a < p->k; a++)
@@ -171,7 +172,7 @@ static struct rad_panel model_panel(const struct rad_panel *p) {
 }
 
 /* Reach of panel i, copied if an earlier one has the same model. */
-static void set_reach(const struct rad_gauss *g, struct rad_rules *rules, int i) {
+static void set_reach(const struct rad_mesh *mesh, struct rad_rules *rules, int i) {
   struct rad_panel *p = &rules->panel[i], model = model_panel(p);
   for (int j = 0; j < i && p->p == 1; j++) {
     struct rad_panel other = model_panel(&rules->panel[j]);
@@ -180,7 +181,9 @@ static void set_reach(const struct rad_gauss *g, struct rad_rules *rules, int i)
       return;
     }
   }
-  rad_panel_reach(g, &model, 0.25 * rules->tolerance, p->reach);
+  /* both directions may have lost as much; what rounding hides cannot be asked for */
+  double loss = mesh->nodes.loss[p->k], tolerance = 0.25 * rules->tolerance / (loss * loss);
+  rad_panel_reach(&mesh->gauss, &model, fmax(tolerance, 0.25 * SMALLEST), p->reach);
 }
 
 enum rad_code rad_rules_build(const struct rad_mesh *mesh, double tolerance,
@@ -189,20 +192,11 @@ enum rad_code rad_rules_build(const struct rad_mesh *mesh, double tolerance,
   enum rad_code code = collect(mesh, rules, e);
   if (code)
     return code;
-  rules->to_lagrange = rad_calloc(RAD_GAUSS_MAX + 1, sizeof(double *));
-  if (!rules->to_lagrange)
-    return rad_fail_memory(e, "the quadrature rules", 0);
   for (int i = 0; i < rules->n_panel; i++) {
     struct rad_panel *p = &rules->panel[i];
-    set_reach(&mesh->gauss, rules, i);
-    if ((code = set_tables(&mesh->gauss, p, e)))
+    set_reach(mesh, rules, i);
+    if ((code = set_tables(mesh, p, e)))
       return code;
-    if (rules->to_lagrange[p->k])
-      continue;
-    rules->to_lagrange[p->k] = rad_alloc((size_t)(p->k * p->k), sizeof(double));
-    if (!rules->to_lagrange[p->k])
-      return rad_fail_memory(e, "the quadrature rules", 8.0 * p->k * p->k);
-    rad_lagrange_from_legendre(&mesh->gauss, p->k, rules->to_lagrange[p->k]);
   }
   return RAD_OK;
 }
@@ -210,11 +204,8 @@ enum rad_code rad_rules_build(const struct rad_mesh *mesh, double tolerance,
 void rad_rules_free(struct rad_rules *rules) {
   for (int i = 0; i < rules->n_panel && rules->panel; i++)
     free(rules->panel[i].block);
-  for (int k = 0; rules->to_lagrange && k <= RAD_GAUSS_MAX; k++)
-    free(rules->to_lagrange[k]);
   free(rules->panel);
   free(rules->angular);
   free(rules->radial);
-  free(rules->to_lagrange);
   *rules = (struct rad_rules){0};
 }

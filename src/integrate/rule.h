@@ -30,7 +30,6 @@ struct rad_rules {
   int n_panel;
   struct rad_panel *panel; /* owned [n_panel]; equal intervals share one */
   int *angular, *radial;   /* owned [n_element] panel of each element */
-  double **to_lagrange;    /* owned [k] matrices T of (4.3), index k = points, NULL if unused */
 };
 
 enum rad_code rad_rules_build(const struct rad_mesh *mesh, double tolerance,

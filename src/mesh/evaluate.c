@@ -54,8 +54,8 @@ void rad_element_basis(const struct rad_mesh *mesh, int element, double phi, dou
       (2 * rad_ungraded(phi, e->p_phi) - e->sigma[0] - e->sigma[1]) / (e->sigma[1] - e->sigma[0]);
   double t = (2 * rad_ungraded(r, e->p_r) - e->tau[0] - e->tau[1]) / (e->tau[1] - e->tau[0]);
   double ls[RAD_GAUSS_MAX], lt[RAD_GAUSS_MAX];
-  rad_lagrange(&mesh->gauss, e->k_phi, s, ls);
-  rad_lagrange(&mesh->gauss, e->k_r, t, lt);
+  rad_lagrange(&mesh->nodes, e->k_phi, s, ls);
+  rad_lagrange(&mesh->nodes, e->k_r, t, lt);
   if (!e->fold) {
     for (int c = 0; c < e->k_r; c++)
       for (int a = 0; a < e->k_phi; a++)

@@ -83,16 +83,25 @@ static int add_paper(struct rad_mesh *mesh, int n, double p, const struct rad_de
   return 1;
 }
 
-static void add_graded(struct rad_mesh *mesh, int n, double p, const struct rad_deck_method *m) {
+/* Border i of n intervals of a graded variable: equal, or 0, q^(n-1) .. q, 1 (geometric). */
+static double border(int i, int n, const struct rad_deck_method *m) {
+  if (m->mesh == RAD_MESH_GEOMETRIC)
+    return i == 0 ? 0 : pow(m->ratio, n - i);
+  return (double)i / n;
+}
+
+/* n x n elements; p = 1 if the mesh is geometric. */
+static void add_tensor(struct rad_mesh *mesh, int n, double p, const struct rad_deck_method *m) {
   int k = m->degree + 1;
   for (int j = 0; j < n; j++)
     for (int i = 0; i < n; i++)
-      rad_mesh_add_element(mesh, (struct rad_element){.sigma = {(double)i / n, (double)(i + 1) / n},
-                                                      .tau = {(double)j / n, (double)(j + 1) / n},
-                                                      .p_phi = p,
-                                                      .p_r = p,
-                                                      .k_phi = k,
-                                                      .k_r = k});
+      rad_mesh_add_element(mesh,
+                           (struct rad_element){.sigma = {border(i, n, m), border(i + 1, n, m)},
+                                                .tau = {border(j, n, m), border(j + 1, n, m)},
+                                                .p_phi = p,
+                                                .p_r = p,
+                                                .k_phi = k,
+                                                .k_r = k});
 }
 
 /* Red refinement: n rows of small triangles, upright ones and, between them, inverted ones. */
@@ -122,22 +131,25 @@ static void add_uniform(struct rad_mesh *mesh, int triangle, int n, int degree) 
 static const double uniform_node[2][3][2] = {{{0.5, 2.0 / 3}},
                                              {{0.5, 1.0 / 3}, {0.2, 5.0 / 6}, {0.8, 5.0 / 6}}};
 
+/* phi or r of x in [-1, 1] of an interval of the graded variable; the limit, not the end itself,
+ * at an edge or vertex, where h has no value. */
+static double place(double x, const double range[2], double p) {
+  double s = range[0] + 0.5 * (1 + x) * (range[1] - range[0]);
+  return s > 0 ? rad_graded(s, p) : RAD_LIMIT;
+}
+
 /* Local coordinates (phi, r) of point b of an element. */
 static void local_point(const struct rad_mesh *mesh, const struct rad_element *e, int b,
                         double *phi, double *r) {
   const struct rad_patch *patch = &mesh->patch[e->patch];
-  if (patch->corner < 0) {
+  if (patch->corner < 0 && (e->fold || e->k_phi == 1)) {
     const double *node = uniform_node[e->fold != NULL][b];
     *phi = node[0];
     *r = node[1];
     return;
   }
-  double x = rad_gauss_node(&mesh->gauss, e->k_phi)[b % e->k_phi];
-  double y = rad_gauss_node(&mesh->gauss, e->k_r)[b / e->k_phi];
-  double sigma = e->sigma[0] + 0.5 * (1 + x) * (e->sigma[1] - e->sigma[0]);
-  double tau = e->tau[0] + 0.5 * (1 + y) * (e->tau[1] - e->tau[0]);
-  *phi = e->p_phi == 1 ? sigma : pow(sigma, e->p_phi);
-  *r = e->p_r == 1 ? tau : pow(tau, e->p_r);
+  *phi = place(rad_nodes_at(&mesh->nodes, e->k_phi)[b % e->k_phi], e->sigma, e->p_phi);
+  *r = place(rad_nodes_at(&mesh->nodes, e->k_r)[b / e->k_phi], e->tau, e->p_r);
 }
 
 static void set_points(struct rad_mesh *mesh) {
@@ -183,10 +195,13 @@ static void set_firsts(struct rad_mesh *mesh) {
   }
 }
 
-enum rad_code rad_mesh_begin(const struct rad_scene *scene, struct rad_mesh *mesh,
-                             struct rad_error *e) {
+enum rad_code rad_mesh_begin(const struct rad_scene *scene, const struct rad_node_choice *nodes,
+                             struct rad_mesh *mesh, struct rad_error *e) {
+  static const struct rad_node_choice usual = {.kind = RAD_NODES_GAUSS};
   *mesh = (struct rad_mesh){.scene = scene};
   enum rad_code code = rad_gauss_init(&mesh->gauss, e);
+  if (!code)
+    code = rad_nodes_init(&mesh->gauss, nodes ? nodes : &usual, &mesh->nodes, e);
   if (!code)
     set_fold(mesh);
   return code;
@@ -222,7 +237,7 @@ static void add_triangle(struct rad_mesh *mesh, int i, const struct rad_deck_met
     if (m->mesh == RAD_MESH_PAPER)
       mesh->failed |= !add_paper(mesh, n, sub_grading(t, s, m), m);
     else
-      add_graded(mesh, n, sub_grading(t, s, m), m);
+      add_tensor(mesh, n, m->mesh == RAD_MESH_GRADED ? sub_grading(t, s, m) : 1, m);
   }
 }
 
@@ -240,7 +255,7 @@ enum rad_code rad_mesh_build(const struct rad_scene *scene, const struct rad_dec
                     "the mesh would have %.3g unknowns, more than %d; lower method.elements, "
                     "method.grading or method.degree",
                     n_point, RAD_MAX_POINT);
-  enum rad_code code = rad_mesh_begin(scene, mesh, e);
+  enum rad_code code = rad_mesh_begin(scene, &m->nodes, mesh, e);
   for (int i = 0; i < scene->n_triangle && !code; i++)
     add_triangle(mesh, i, m);
   return code ? code : rad_mesh_finish(mesh, e);
@@ -248,6 +263,7 @@ enum rad_code rad_mesh_build(const struct rad_scene *scene, const struct rad_dec
 
 void rad_mesh_free(struct rad_mesh *mesh) {
   rad_gauss_free(&mesh->gauss);
+  rad_nodes_free(&mesh->nodes);
   free(mesh->patch);
   free(mesh->element);
   free(mesh->patch_first);

@@ -4,14 +4,14 @@
 
 #include <math.h>
 
-#include "base/gauss.h"
+#include "base/nodes.h"
 #include "mesh/patch.h"
 
 /**
  * Trial functions of an element: L_a(sigma) L_c(tau), phi = sigma^p_phi, r = tau^p_r, number
- * a + k_phi c, Lagrange on the k_phi x k_r Gauss points of [sigma0, sigma1] x [tau0, tau1]
- * (theory 4.1). With `fold` (uniform mesh, degree 1) they are sums of these:
- * function f = sum_b fold[f,b] L_b (theory 4.2).
+ * a + k_phi c, Lagrange on the k_phi x k_r points of [sigma0, sigma1] x [tau0, tau1] that the
+ * mesh's nodes say, Gauss points but for experiments (theory 4.1). With `fold` (uniform mesh,
+ * degree 1) they are sums of these: function f = sum_b fold[f,b] L_b (theory 4.2).
  */
 struct rad_element {
   int patch;
@@ -26,6 +26,7 @@ struct rad_element {
 struct rad_mesh {
   const struct rad_scene *scene; /* borrowed */
   struct rad_gauss gauss;
+  struct rad_nodes nodes;
   int n_patch, n_element, n_point;
   struct rad_patch *patch;     /* owned [n_patch], by triangle */
   struct rad_element *element; /* owned [n_element], by patch */
@@ -40,10 +41,13 @@ struct rad_mesh {
 
 enum { RAD_MAX_POINT = 2000000000 };
 
+/* phi or r of points that stand for the limit at an edge or vertex. */
+#define RAD_LIMIT 1e-25
+
 /* Building by hand: begin, then patches in the order of triangles, each followed by its elements
- * (of which patch, first and n_function are set), then finish. */
-enum rad_code rad_mesh_begin(const struct rad_scene *scene, struct rad_mesh *mesh,
-                             struct rad_error *e);
+ * (of which patch, first and n_function are set), then finish. nodes: NULL for Gauss points. */
+enum rad_code rad_mesh_begin(const struct rad_scene *scene, const struct rad_node_choice *nodes,
+                             struct rad_mesh *mesh, struct rad_error *e);
 void rad_mesh_add_patch(struct rad_mesh *mesh, const struct rad_patch *patch);
 void rad_mesh_add_element(struct rad_mesh *mesh, struct rad_element element);
 enum rad_code rad_mesh_finish(struct rad_mesh *mesh, struct rad_error *e);

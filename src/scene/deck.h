@@ -5,6 +5,7 @@
 #include <stdbool.h>
 
 #include "base/error.h"
+#include "base/nodes.h"
 
 enum { RAD_MAX_BAND = 16, RAD_MAX_DEGREE = 23 };
 
@@ -43,7 +44,7 @@ struct rad_deck_probe {
   int line;
 };
 
-enum rad_mesh_kind { RAD_MESH_PAPER, RAD_MESH_GRADED, RAD_MESH_UNIFORM };
+enum rad_mesh_kind { RAD_MESH_PAPER, RAD_MESH_GRADED, RAD_MESH_UNIFORM, RAD_MESH_GEOMETRIC };
 enum rad_angle { RAD_ANGLE_POLAR, RAD_ANGLE_DUFFY };
 enum rad_matrix { RAD_MATRIX_AUTO, RAD_MATRIX_DENSE, RAD_MATRIX_HIERARCHICAL };
 enum rad_solver { RAD_SOLVER_AUTO, RAD_SOLVER_LU, RAD_SOLVER_GMRES, RAD_SOLVER_NEUMANN };
@@ -60,8 +61,10 @@ struct rad_deck_method {
   double quadrature_tolerance; /* default 1e-10 */
   enum rad_matrix matrix;
   enum rad_solver solver;
-  double solver_tolerance; /* default 1e-12 */
-  int bounces;             /* neumann only, default 10 */
+  double solver_tolerance;      /* default 1e-12 */
+  int bounces;                  /* neumann only, default 10 */
+  double ratio;                 /* geometric only: of neighbouring layers, default 0.15 */
+  struct rad_node_choice nodes; /* default Gauss points */
 };
 
 enum rad_given {
@@ -76,7 +79,9 @@ enum rad_given {
   RAD_GIVEN_SOLVER = 256,
   RAD_GIVEN_SOLVER_TOLERANCE = 512,
   RAD_GIVEN_BOUNCES = 1024,
-  RAD_GIVEN_ANY_MESH = 1 | 2 | 4 | 8 | 16 | 32
+  RAD_GIVEN_RATIO = 2048,
+  RAD_GIVEN_NODES = 4096,
+  RAD_GIVEN_ANY_MESH = 1 | 2 | 4 | 8 | 16 | 32 | 2048 | 4096
 };
 
 enum { RAD_FIELD_RADIOSITY = 1, RAD_FIELD_IRRADIANCE = 2 };

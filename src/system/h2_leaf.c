@@ -42,16 +42,16 @@ struct rule {
   double at[RAD_GAUSS_MAX], weight[RAD_GAUSS_MAX][RAD_GAUSS_MAX]; /* [point][function] */
 };
 
-static void set_rule(const struct rad_gauss *g, int n, const double range[2], double p, int k,
+static void set_rule(const struct rad_mesh *mesh, int n, const double range[2], double p, int k,
                      int radial, enum rad_angle angle, struct rule *rule) {
-  const double *z = rad_gauss_node(g, n), *w = rad_gauss_weight(g, n);
+  const double *z = rad_gauss_node(&mesh->gauss, n), *w = rad_gauss_weight(&mesh->gauss, n);
   double half = 0.5 * (range[1] - range[0]);
   rule->n = n;
   for (int i = 0; i < n; i++) {
     double graded = range[0] + (1 + z[i]) * half, value = rad_graded(graded, p);
     double slope = p == 1 ? 1 : p * pow(graded, p - 1);
     rule->at[i] = radial ? value : rad_angle_t(angle, value);
-    rad_lagrange(g, k, z[i], rule->weight[i]);
+    rad_lagrange(&mesh->nodes, k, z[i], rule->weight[i]);
     double factor = w[i] * half * slope * (radial ? value : rad_angle_dt(angle, rule->at[i]));
     for (int a = 0; a < k; a++)
       rule->weight[i][a] *= factor;
@@ -140,10 +140,10 @@ RAD_CLONES void rad_leaf_moments(const struct rad_interpolation *p, const struct
     double low[2], high[2], wide = rad_cluster_diameter(leaf);
     rad_element_box(tree, tree->element[i], low, high);
     double own = hypot(high[0] - low[0], high[1] - low[1]);
-    set_rule(&mesh->gauss, points_for(p, e->p_phi, e->k_phi, own, wide, tolerance), e->sigma,
-             e->p_phi, e->k_phi, 0, source.patch->angle, &source.angular);
-    set_rule(&mesh->gauss, points_for(p, e->p_r, e->k_r, own, wide, tolerance), e->tau, e->p_r,
-             e->k_r, 1, source.patch->angle, &source.radial);
+    set_rule(mesh, points_for(p, e->p_phi, e->k_phi, own, wide, tolerance), e->sigma, e->p_phi,
+             e->k_phi, 0, source.patch->angle, &source.angular);
+    set_rule(mesh, points_for(p, e->p_r, e->k_r, own, wide, tolerance), e->tau, e->p_r, e->k_r, 1,
+             source.patch->angle, &source.radial);
     size_t k = (size_t)(e->k_phi * e->k_r);
     element_moments(&source, scratch, scratch + k * (size_t)p->n);
     store(e, (size_t)p->n, scratch, 1 / sqrt(share(mesh, tree->element[i])), v);

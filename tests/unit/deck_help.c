@@ -69,6 +69,8 @@ const char full_deck[FULL_DECK] =
     "  solver: neumann\n"
     "  solver_tolerance: 1e-16\n"
     "  bounces: 0\n"
+    "  ratio: 0.5\n"
+    "  nodes: gauss\n"
     "probes:\n"
     "  - {name: a, surface: floor, at: [0.25, 0.5, 0]}\n"
     "  - at: [1, 2, 3]\n"

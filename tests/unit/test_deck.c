@@ -58,7 +58,7 @@ START_TEST(every_key_of_the_other_sections) {
   read_good(full_deck, 0, NULL, &d);
   ck_assert(d.tolerance == 1e-4);
   const struct rad_deck_method *m = &d.method;
-  ck_assert_uint_eq(m->given, 2047);
+  ck_assert_uint_eq(m->given, 8191);
   ck_assert_int_eq(m->mesh, RAD_MESH_GRADED);
   ck_assert_int_eq(m->elements, 16);
   ck_assert(m->grading == 3);
@@ -69,13 +69,14 @@ START_TEST(every_key_of_the_other_sections) {
   ck_assert_int_eq(m->matrix, RAD_MATRIX_HIERARCHICAL);
   ck_assert_int_eq(m->solver, RAD_SOLVER_NEUMANN);
   ck_assert_int_eq(m->bounces, 0);
+  ck_assert(m->ratio == 0.5 && m->nodes.kind == RAD_NODES_GAUSS);
   ck_assert_int_eq(d.n_probe, 2);
   ck_assert_str_eq(d.probe[0].name, "a");
   ck_assert_str_eq(d.probe[0].surface, "floor");
   ck_assert(d.probe[0].at[1] == 0.5);
   ck_assert_str_eq(d.probe[1].name, "probe_2");
   ck_assert_ptr_null(d.probe[1].surface);
-  ck_assert_int_eq(d.probe[1].line, 40);
+  ck_assert_int_eq(d.probe[1].line, 42);
   ck_assert_str_eq(d.output.file, "corner.vtkhdf");
   ck_assert_int_eq(d.output.sampling, 64);
   ck_assert_uint_eq(d.output.fields, RAD_FIELD_IRRADIANCE);
@@ -93,6 +94,18 @@ START_TEST(every_key_of_the_other_sections) {
   ck_assert_str_eq(s->reference[0].key, "method.degree");
   ck_assert_int_eq(s->reference[2].n, 1);
   ck_assert_str_eq(s->reference[2].value[0], "uniform");
+  rad_deck_free(&d);
+}
+END_TEST
+
+START_TEST(nodes) {
+  struct rad_deck d;
+  read_good(SCENE "method: {nodes: [.6, 0.8, 1], degree: 2, mesh: geometric}\n", 0, NULL, &d);
+  ck_assert(d.method.mesh == RAD_MESH_GEOMETRIC && d.method.nodes.kind == RAD_NODES_LIST);
+  ck_assert(d.method.nodes.n == 3 && d.method.nodes.at[1] == 0.8 && d.method.nodes.at[2] == 1);
+  rad_deck_free(&d);
+  read_good(SCENE "method: {nodes: vertex}\n", 0, NULL, &d);
+  ck_assert(d.method.nodes.kind == RAD_NODES_VERTEX);
   rad_deck_free(&d);
 }
 END_TEST
@@ -116,6 +129,7 @@ START_TEST(defaults) {
   ck_assert(m->angle == RAD_ANGLE_POLAR && m->constant_layers == 0 && m->bounces == 10);
   ck_assert(m->matrix == RAD_MATRIX_AUTO && m->solver == RAD_SOLVER_AUTO);
   ck_assert(m->quadrature_tolerance == 1e-10 && m->solver_tolerance == 1e-12);
+  ck_assert(m->ratio == 0.15 && m->nodes.kind == RAD_NODES_GAUSS);
   ck_assert_int_eq(d.n_probe, 0);
   char file[80];
   snprintf(file, sizeof file, "polyrad-deck-%ld.vtkhdf", (long)getpid());
@@ -213,6 +227,7 @@ int main(void) {
   TCase *good = tcase_create("good");
   tcase_add_test(good, every_key_of_the_scene);
   tcase_add_test(good, every_key_of_the_other_sections);
+  tcase_add_test(good, nodes);
   tcase_add_test(good, defaults);
   tcase_add_loop_test(good, also_accepted, 0, COUNT(also_good));
   tcase_add_test(good, overrides);

@@ -102,6 +102,33 @@ static struct oracle_element to_element(const struct rad_triangle *t, const stru
   return o;
 }
 
+/* The oracle's integrals, which are those of Gauss points, for functions on the points that the
+ * mesh has: L'_a = sum_b L'_a(z_b) L_b. */
+static void to_nodes(const struct rad_mesh *mesh, int k, long double *exact) {
+  long double z[16], w[16], value[16][16], half[16 * 16], out[16 * 16];
+  const double *at = rad_nodes_at(&mesh->nodes, k);
+  oracle_gauss(k, z, w);
+  for (int a = 0; a < k; a++)
+    for (int b = 0; b < k; b++) {
+      value[a][b] = 1;
+      for (int m = 0; m < k; m++)
+        value[a][b] *= m == a ? 1 : (z[b] - at[m]) / ((long double)at[a] - at[m]);
+    }
+  for (int c = 0; c < k; c++)
+    for (int a = 0; a < k; a++) {
+      half[a + k * c] = 0;
+      for (int b = 0; b < k; b++)
+        half[a + k * c] += value[a][b] * exact[b + k * c];
+    }
+  for (int c = 0; c < k; c++)
+    for (int a = 0; a < k; a++) {
+      out[a + k * c] = 0;
+      for (int b = 0; b < k; b++)
+        out[a + k * c] += value[c][b] * half[a + k * b];
+    }
+  memcpy(exact, out, sizeof *out * (size_t)(k * k));
+}
+
 /* Largest error of any integral of one point, over the row sum of the source triangle. */
 static double point_error(const struct rad_mesh *mesh, double tolerance, int base,
                           const double mu[2]) {
@@ -124,6 +151,7 @@ static double point_error(const struct rad_mesh *mesh, double tolerance, int bas
                                            mesh->patch[p].angle == RAD_ANGLE_POLAR);
       long double exact[16 * 16];
       ck_assert_int_ge(oracle_integrate(&x, &o, exact), 0);
+      to_nodes(mesh, e->k_phi, exact);
       for (int b = 0; b < e->n_function; b++)
         worst = fmax(worst, fabs((double)(row[e->first + b] - exact[b])));
     }
@@ -140,15 +168,29 @@ struct method {
   double grading;
   int degree;
   enum rad_angle angle;
+  struct rad_node_choice nodes;
 };
 
 static const struct method methods[] = {
-    {RAD_MESH_PAPER, 1, 1, 0, RAD_ANGLE_POLAR},   {RAD_MESH_PAPER, 2, 2, 1, RAD_ANGLE_POLAR},
-    {RAD_MESH_PAPER, 2, 1.5, 3, RAD_ANGLE_DUFFY}, {RAD_MESH_GRADED, 1, 2, 5, RAD_ANGLE_POLAR},
-    {RAD_MESH_GRADED, 1, 3, 9, RAD_ANGLE_POLAR},  {RAD_MESH_GRADED, 2, 4, 7, RAD_ANGLE_DUFFY},
-    {RAD_MESH_GRADED, 1, 5, 11, RAD_ANGLE_POLAR},
+    {RAD_MESH_PAPER, 1, 1, 0, RAD_ANGLE_POLAR, {0}},
+    {RAD_MESH_PAPER, 2, 2, 1, RAD_ANGLE_POLAR, {0}},
+    {RAD_MESH_PAPER, 2, 1.5, 3, RAD_ANGLE_DUFFY, {0}},
+    {RAD_MESH_GRADED, 1, 2, 5, RAD_ANGLE_POLAR, {0}},
+    {RAD_MESH_GRADED, 1, 3, 9, RAD_ANGLE_POLAR, {0}},
+    {RAD_MESH_GRADED, 2, 4, 7, RAD_ANGLE_DUFFY, {0}},
+    {RAD_MESH_GRADED, 1, 5, 11, RAD_ANGLE_POLAR, {0}},
 };
 enum { N_METHOD = sizeof methods / sizeof *methods };
+
+/* Other nodes than Gauss points: their functions are up to 600 in size, their errors no larger. */
+static const struct method laboratory[] = {
+    {RAD_MESH_GEOMETRIC, 3, 1, 1, RAD_ANGLE_POLAR, {.kind = RAD_NODES_BIASED}},
+    {RAD_MESH_GEOMETRIC, 2, 1, 4, RAD_ANGLE_DUFFY, {.kind = RAD_NODES_EQUIDISTANT}},
+    {RAD_MESH_GRADED, 1, 3, 11, RAD_ANGLE_POLAR, {.kind = RAD_NODES_EQUIDISTANT}},
+    {RAD_MESH_PAPER, 2, 2, 2, RAD_ANGLE_POLAR, {.kind = RAD_NODES_VERTEX}},
+    {RAD_MESH_GRADED, 1, 2, 2, RAD_ANGLE_POLAR, {RAD_NODES_LIST, 3, {0.6, 0.8, 1}}},
+};
+enum { N_LABORATORY = sizeof laboratory / sizeof *laboratory };
 
 static void build(const struct pair *p, const struct method *m, struct rad_triangle tri[2],
                   struct rad_scene *scene, struct rad_mesh *mesh) {
@@ -157,7 +199,9 @@ static void build(const struct pair *p, const struct method *m, struct rad_trian
                                    .elements = m->elements,
                                    .grading = m->grading,
                                    .degree = m->degree,
-                                   .angle = m->angle};
+                                   .angle = m->angle,
+                                   .ratio = 0.15,
+                                   .nodes = m->nodes};
   set_scene(p, tri, scene);
   ck_assert_int_eq(rad_mesh_build(scene, &method, mesh, &e), RAD_OK);
 }
@@ -178,23 +222,23 @@ static void place(int kind, double distance, int *base, double mu[2]) {
 }
 enum { N_PLACE = 7 };
 
-static void hold(int i_pair, int i_method, int kind, double distance, double tolerance,
-                 double limit) {
+static void hold(int i_pair, const struct method *method, int kind, double distance,
+                 double tolerance, double limit) {
   struct rad_triangle tri[2];
   struct rad_scene scene;
   struct rad_mesh mesh;
   int base;
   double mu[2];
-  build(&pairs[i_pair], &methods[i_method], tri, &scene, &mesh);
+  build(&pairs[i_pair], method, tri, &scene, &mesh);
   place(kind, distance, &base, mu);
   double error = point_error(&mesh, tolerance, base, mu);
   ck_assert_msg(
       error <= limit,
-      "%s, method %d, place %d, distance %g, tolerance %g: error %g over the row sum, limit %g",
-      pairs[i_pair].name, i_method, kind, distance, tolerance, error, limit);
+      "%s, degree %d, place %d, distance %g, tolerance %g: error %g over the row sum, limit %g",
+      pairs[i_pair].name, method->degree, kind, distance, tolerance, error, limit);
   if (getenv("POLYRAD_TEST_VERBOSE"))
-    printf("%-24s method %d place %d distance %-6g tolerance %-6g error %.2e\n", pairs[i_pair].name,
-           i_method, kind, distance, tolerance, error);
+    printf("%-24s degree %d place %d distance %-6g tolerance %-6g error %.2e\n", pairs[i_pair].name,
+           method->degree, kind, distance, tolerance, error);
   rad_mesh_free(&mesh);
 }
 
@@ -203,7 +247,7 @@ START_TEST(inside_at_every_tolerance) {
   for (int m = 0; m < N_METHOD; m++)
     for (int k = 0; k < 2; k++)
       for (int t = 0; t < 4; t++)
-        hold(_i, m, k, 1, tolerance[t], 2 * tolerance[t]);
+        hold(_i, &methods[m], k, 1, tolerance[t], 2 * tolerance[t]);
 }
 END_TEST
 
@@ -214,9 +258,21 @@ START_TEST(near_edges_and_vertices) {
       for (int d = 0; d < 5; d++) {
         if ((m + k + d + _i) % 4) /* a quarter of all combinations each */
           continue;
-        hold(_i, m, k, distance[d], 1e-13, 2e-13);
-        hold(_i, m, k, distance[d], 1e-6, 2e-6);
+        hold(_i, &methods[m], k, distance[d], 1e-13, 2e-13);
+        hold(_i, &methods[m], k, distance[d], 1e-6, 2e-6);
       }
+}
+END_TEST
+
+START_TEST(other_nodes) {
+  static const double distance[] = {1e-2, 1e-6, 1e-10};
+  for (int m = 0; m < N_LABORATORY; m++) {
+    hold(_i, &laboratory[m], 0, 1, 1e-6, 2e-6);
+    hold(_i, &laboratory[m], 1, 1, 1e-10, 2e-10);
+    for (int k = 2; k < N_PLACE; k++)
+      if ((m + k + _i) % 4 == 0)
+        hold(_i, &laboratory[m], k, distance[(m + k) % 3], 1e-10, 2e-10);
+  }
 }
 END_TEST
 
@@ -339,6 +395,10 @@ int main(void) {
   tcase_add_loop_test(c, inside_at_every_tolerance, 0, N_PAIR);
   tcase_add_loop_test(c, near_edges_and_vertices, 0, N_PAIR);
   suite_add_tcase(s, c);
+  TCase *nodes = tcase_create("nodes");
+  tcase_set_timeout(nodes, 600);
+  tcase_add_loop_test(nodes, other_nodes, 0, N_PAIR);
+  suite_add_tcase(s, nodes);
   TCase *strips = tcase_create("strips");
   tcase_add_test(strips, strip_past_two_poles);
   tcase_add_test(strips, strip_with_a_radial_side);

@@ -111,7 +111,18 @@ static const struct rad_deck_method kinds[] = {
     {.elements = 2, .grading = 1, .degree = 3, .angle = RAD_ANGLE_DUFFY},
     {.mesh = RAD_MESH_GRADED, .elements = 2, .grading = 3, .degree = 11},
     {.mesh = RAD_MESH_UNIFORM, .elements = 3, .degree = 1},
-    {.mesh = RAD_MESH_UNIFORM, .elements = 3, .degree = 0}};
+    {.mesh = RAD_MESH_UNIFORM, .elements = 3, .degree = 0},
+    {.mesh = RAD_MESH_GEOMETRIC,
+     .elements = 3,
+     .ratio = 0.15,
+     .degree = 4,
+     .nodes = {.kind = RAD_NODES_EQUIDISTANT}},
+    {.mesh = RAD_MESH_GRADED,
+     .elements = 2,
+     .grading = 3,
+     .degree = 2,
+     .nodes = {.kind = RAD_NODES_LIST, .n = 3, .at = {0.2, 0.3, 0.9}}}};
+enum { N_KIND = sizeof kinds / sizeof *kinds };
 
 /* Trial functions are 1 at their own point and 0 at the element's others; every point of an element
  * lies in it, and positions agree with the triangle's plane. */
@@ -168,6 +179,99 @@ START_TEST(evaluates) {
 }
 END_TEST
 
+/* (phi, r) of the points of an element whose patch has the corner 0 and t = phi. */
+static void local_of(const struct rad_mesh *mesh, int point, double *phi, double *r) {
+  const double *mu = mesh->point_mu[point], x = 2 * mu[0], y = 3 * mu[1]; /* r (1 - t/3), r t */
+  *r = x + y / 3;
+  *phi = y / *r;
+}
+
+/* Points of one element by nodes: sub-triangle v0 -> v1, layer 0, both directions. */
+START_TEST(nodes_are_where_they_are_said_to_be) {
+  static const struct {
+    struct rad_node_choice nodes;
+    int degree;
+    double at[3];
+  } c[] = {{{.kind = RAD_NODES_BIASED}, 1, {0.9, 1}},
+           {{.kind = RAD_NODES_EQUIDISTANT}, 2, {1. / 6, 0.5, 5. / 6}},
+           {{.kind = RAD_NODES_VERTEX}, 2, {RAD_LIMIT, 0.5, 1}},
+           {{.kind = RAD_NODES_LIST, .n = 3, .at = {0.6, 0.8, 1}}, 2, {0.6, 0.8, 1}},
+           {{.kind = RAD_NODES_VERTEX}, 0, {0.5}},
+           {{.kind = RAD_NODES_GAUSS}, 0, {0.5}}};
+  struct rad_triangle tri[3];
+  struct rad_scene s;
+  make_s1(tri, &s);
+  for (int i = 0; i < 6; i++) {
+    struct rad_mesh mesh;
+    struct rad_error e;
+    int k = c[i].degree + 1;
+    struct rad_deck_method m = {.mesh = RAD_MESH_GRADED,
+                                .elements = 1,
+                                .grading = 1,
+                                .degree = c[i].degree,
+                                .angle = RAD_ANGLE_DUFFY,
+                                .nodes = c[i].nodes};
+    ck_assert_int_eq(rad_mesh_build(&s, &m, &mesh, &e), RAD_OK);
+    for (int b = 0; b < k * k; b++) {
+      double phi, r;
+      local_of(&mesh, b, &phi, &r);
+      ck_assert_double_eq_tol(phi / c[i].at[b % k], 1, 1e-14); /* limits keep their digits */
+      ck_assert_double_eq_tol(r / c[i].at[b / k], 1, 1e-14);
+    }
+    rad_mesh_free(&mesh);
+  }
+}
+END_TEST
+
+/* Layers shrink by the ratio towards phi = 0 and r = 0. */
+START_TEST(geometric_layers) {
+  static const double border[] = {0, 0.04, 0.2, 1};
+  struct rad_triangle tri[3];
+  struct rad_scene s;
+  struct rad_mesh mesh;
+  struct rad_error e;
+  make_s1(tri, &s);
+  struct rad_deck_method m = {
+      .mesh = RAD_MESH_GEOMETRIC, .elements = 3, .ratio = 0.2, .grading = 4, .degree = 1};
+  ck_assert_int_eq(rad_mesh_build(&s, &m, &mesh, &e), RAD_OK);
+  ck_assert_int_eq(mesh.n_point, 3 * 6 * 9 * 4);
+  for (int i = 0; i < 9; i++)
+    for (int side = 0; side < 2; side++) {
+      ck_assert_double_eq_tol(mesh.element[i].sigma[side], border[i % 3 + side], 1e-15);
+      ck_assert_double_eq_tol(mesh.element[i].tau[side], border[i / 3 + side], 1e-15);
+      ck_assert(mesh.element[i].p_phi == 1 && mesh.element[i].p_r == 1);
+    }
+  rad_mesh_free(&mesh);
+}
+END_TEST
+
+/* A triangle of the uniform mesh as the estimate sees it, with more than its one point: Gauss
+ * points, as in any other patch. */
+START_TEST(points_of_a_small_triangle) {
+  static const double corner[3][2] = {{0, 0}, {0.5, 0}, {0, 0.5}};
+  struct rad_triangle tri[3];
+  struct rad_scene s;
+  struct rad_mesh mesh;
+  struct rad_error e;
+  struct rad_patch patch;
+  make_s1(tri, &s);
+  ck_assert_int_eq(rad_mesh_begin(&s, NULL, &mesh, &e), RAD_OK);
+  rad_patch_plain(&s, 0, corner, &patch);
+  rad_mesh_add_patch(&mesh, &patch);
+  rad_mesh_add_element(
+      &mesh, (struct rad_element){
+                 .sigma = {0, 1}, .tau = {0, 1}, .p_phi = 1, .p_r = 1, .k_phi = 3, .k_r = 3});
+  ck_assert_int_eq(rad_mesh_finish(&mesh, &e), RAD_OK);
+  for (int b = 0; b < 9; b++) {
+    double x = 0.5 * (1 + rad_gauss_node(&mesh.gauss, 3)[b % 3]);
+    double y = 0.5 * (1 + rad_gauss_node(&mesh.gauss, 3)[b / 3]);
+    ck_assert_double_eq_tol(mesh.point_mu[b][0], 0.5 * y * (1 - x), 1e-15);
+    ck_assert_double_eq_tol(mesh.point_mu[b][1], 0.5 * y * x, 1e-15);
+  }
+  rad_mesh_free(&mesh);
+}
+END_TEST
+
 START_TEST(uniform_degree_is_refused) {
   struct rad_triangle tri[3];
   struct rad_scene s;
@@ -190,8 +294,11 @@ int main(void) {
   tcase_add_test(c, other_counts);
   tcase_add_test(c, own_grading_and_elements);
   tcase_add_test(c, partition_covers);
-  tcase_add_loop_test(c, functions_interpolate, 0, 5);
-  tcase_add_loop_test(c, evaluates, 0, 5);
+  tcase_add_loop_test(c, functions_interpolate, 0, N_KIND);
+  tcase_add_loop_test(c, evaluates, 0, N_KIND);
+  tcase_add_test(c, nodes_are_where_they_are_said_to_be);
+  tcase_add_test(c, geometric_layers);
+  tcase_add_test(c, points_of_a_small_triangle);
   tcase_add_test(c, uniform_degree_is_refused);
   suite_add_tcase(s, c);
   return run_suite(s);
