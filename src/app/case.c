@@ -26,6 +26,15 @@ static enum rad_code refuse_unavailable(const struct rad_case *c, struct rad_err
   return RAD_OK;
 }
 
+static enum rad_code refuse_fields(const struct rad_case *c, struct rad_error *e) {
+  if (c->scene.heat || !(c->deck.output.fields & (RAD_FIELD_NET_FLUX | RAD_FIELD_TEMPERATURE)))
+    return RAD_OK;
+  return rad_fail(e, RAD_EINPUT,
+                  "%s: error: output.fields asks for net_flux or temperature, but no face of the "
+                  "scene has a temperature or flux; leave them out",
+                  c->deck.path);
+}
+
 /* A deck that says nothing of the mesh leaves it to the tolerance; without one, 1e-3. */
 static void choose_mode(struct rad_case *c) {
   struct rad_deck_method *m = &c->deck.method;
@@ -106,6 +115,8 @@ enum rad_code rad_case_prepare(const char *deck, int n_set, const char *const *s
     code = refuse_unavailable(c, e);
   if (!code)
     code = rad_scene_build(&c->deck, &c->scene, &c->notes, e);
+  if (!code)
+    code = refuse_fields(c, e);
   if (!code)
     code = rad_visibility_build(&c->scene, &c->visibility, e);
   c->seconds_scene = rad_seconds() - start;

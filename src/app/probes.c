@@ -7,6 +7,7 @@
 #include "app/case.h"
 #include "base/memory.h"
 #include "base/vec.h"
+#include "scene/heat.h"
 
 /* Smallest barycentric coordinate of a probe: on an edge it means the limit from inside the face.
  */
@@ -93,9 +94,11 @@ enum rad_code rad_case_probes(const struct rad_case *c, struct rad_result *r, st
   r->probe_normal = rad_alloc(n, 3 * sizeof(double));
   r->probe_radiosity = rad_alloc(n * nb, sizeof(double));
   r->probe_irradiance = rad_alloc(n * nb, sizeof(double));
+  r->probe_flux = rad_alloc(n, sizeof(double));
+  r->probe_temperature = rad_alloc(n, sizeof(double));
   enum rad_code code = RAD_OK;
   if (!place || !triangle || !mu || !r->probe_position || !r->probe_normal || !r->probe_radiosity ||
-      !r->probe_irradiance)
+      !r->probe_irradiance || !r->probe_flux || !r->probe_temperature)
     code = rad_fail_memory(e, "the probes", 100.0 * (double)n);
   else
     code = locate_all(c, place, e);
@@ -113,6 +116,12 @@ enum rad_code rad_case_probes(const struct rad_case *c, struct rad_result *r, st
                              r->probe_irradiance, e);
   if (!code)
     rad_iterated(&c->scene, &list, r->probe_irradiance, r->probe_radiosity);
+  for (size_t i = 0; i < n && !code && c->scene.heat; i++) {
+    const struct rad_heat *heat = &c->scene.heat[triangle[i]];
+    r->probe_flux[i] = r->probe_radiosity[i] - r->probe_irradiance[i];
+    r->probe_temperature[i] =
+        rad_heat_temperature(rad_heat_fourth_power(heat, r->probe_irradiance[i]));
+  }
   free(place);
   free(triangle);
   free(mu);

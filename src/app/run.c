@@ -8,6 +8,7 @@
 #include "app/command.h"
 #include "base/memory.h"
 #include "output/stamp.h"
+#include "output/thermal.h"
 
 static const char *mesh_name[] = {"paper", "graded", "uniform", "geometric"};
 static const char *solver_name[] = {"auto", "lu", "gmres", "neumann"};
@@ -178,10 +179,39 @@ static void print_solution(const struct rad_case *c, const struct rad_result *r,
   print_means(c, r, out);
   print_probes(c, r, out);
   print_view_factors(&r->view_factors, out);
+}
+
+static void print_time(const struct rad_result *r, FILE *out) {
+  const struct rad_diagnostics *d = &r->diagnostics;
   fprintf(out,
           "  time     %.3f s: assemble %.3f, factor %.3f, solve %.3f, output %.3f; %d threads\n",
           d->seconds_total, d->seconds_assemble, d->seconds_factor, d->seconds_solve,
           d->seconds_output, r->threads);
+}
+
+/* Net heat and temperatures of a thermal scene, and whether they close. */
+static enum rad_code print_heat(const struct rad_case *c, const struct rad_result *r,
+                                const struct rad_command *command, struct rad_error *e) {
+  struct rad_thermal t;
+  enum rad_code code = rad_thermal_make(r, &t, e);
+  if (!code && t.cold >= 0)
+    fprintf(command->log,
+            "%s: warning: triangle %d (%s) has no temperature: its flux draws more heat than "
+            "arrives there, and T^4 would be negative\n",
+            c->deck.path, t.cold + 1, c->scene.surface_name[c->scene.triangle[t.cold].surface]);
+  if (!code && t.surface.n && !command->quiet) {
+    fprintf(command->out,
+            "  heat    %-16s temperature [K]   net flux u - h [W/m2]   net power [W]\n", "");
+    for (int s = 0; s < t.surface.n; s++)
+      fprintf(command->out, "          %-16.40s %15.8g   %21.10g   %13.7g\n",
+              c->scene.surface_name[s], t.surface.temperature[s], t.surface.flux[s],
+              t.surface.power[s]);
+    fprintf(command->out,
+            "          sum of net powers %.3g W, of %.7g W given off: 0 in a closed scene\n", t.sum,
+            t.given);
+  }
+  rad_thermal_free(&t);
+  return code;
 }
 
 /* Writing over the deck would lose it. */
@@ -196,10 +226,11 @@ static enum rad_code refuse_overwrite(const struct rad_case *c, const char *path
                   c->deck.path);
 }
 
-/* What the user should know about a result that is written all the same. */
+/* What the user should know about a result that is written all the same; a bound, where there is
+ * one, has it in. */
 static void warn(const struct rad_case *c, FILE *log) {
   double amplified = c->report.inverse_norm * c->rules.tolerance;
-  if (amplified > 1e-4)
+  if (amplified > 1e-4 && !c->has_bound)
     fprintf(log,
             "%s: warning: the scene loses so little light (|inverse| %.2g) that the quadrature "
             "tolerance %.1g may change the radiosity by %.1g of itself; lower "
@@ -226,8 +257,12 @@ static enum rad_code output(const struct rad_case *c, const struct rad_command *
     warn_view_factors(c, &result.view_factors, command->log);
   if (!code)
     code = rad_result_write(path, &result, started, e);
-  if (!code && !command->quiet) {
+  if (!code && !command->quiet)
     print_solution(c, &result, command->out);
+  if (!code)
+    code = print_heat(c, &result, command, e);
+  if (!code && !command->quiet) {
+    print_time(&result, command->out);
     fprintf(command->out, "  written  %s%s\n", path, c->report.converged ? "" : " (NOT CONVERGED)");
   }
   rad_result_free(&result);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "estimate/layout.h"
 #include "visibility/visibility.h"
 
 enum { CHECK = 5 }; /* check points per direction and element, odd */
@@ -34,6 +35,13 @@ struct work {
 
 static int passive(const struct work *w, int element) {
   return w->passive && w->passive[rad_element_triangle(w->mesh, element)];
+}
+
+/* Black faces of thermal scenes have a net flux, though no unknowns. */
+static int checked(const struct work *w, int element) {
+  int t = rad_element_triangle(w->mesh, element);
+  return !w->passive || !w->passive[t] ||
+         (w->passive[t] == RAD_BLACK && w->mesh->scene->heat != NULL);
 }
 
 /* ---- u* and d at the fine points ----------------------------------------------------------- */
@@ -200,7 +208,7 @@ static enum rad_code set_checks(struct work *w, int rest, struct rad_error *e) {
   for (int i = 0; i < w->mesh->n_element; i++) {
     const struct rad_element *el = &w->mesh->element[i];
     const struct rad_patch *patch = &w->mesh->patch[el->patch];
-    for (int q = 0; q < SIDE * SIDE && !passive(w, i); q++) {
+    for (int q = 0; q < SIDE * SIDE && checked(w, i); q++) {
       int a = q % SIDE, c = q / SIDE, limit = a == N || c == N;
       int later = (a < N && a % 2) || (c < N && c % 2);
       if ((a == N && el->sigma[0] > 0) || (c == N && el->tau[0] > 0) ||
@@ -221,9 +229,11 @@ static enum rad_code set_checks(struct work *w, int rest, struct rad_error *e) {
   return RAD_OK;
 }
 
-/* rho of rho K d; 1 where E is a function, which nothing else would resolve for black faces. */
+/* rho of rho K d; 1 where E is a function, which nothing else would resolve for black faces; in
+ * thermal scenes at least 1 - rho, the factor of h in the net flux (15.4). */
 static double weight_of(const struct rad_scene *s, int triangle, int band) {
-  return s->emission_at ? 1 : s->rho[triangle * s->n_band + band];
+  double rho = s->emission_at ? 1 : s->rho[triangle * s->n_band + band];
+  return s->heat ? fmax(rho, 1 - rho) : rho;
 }
 
 /* Parts of the elements at the points of one batch. */

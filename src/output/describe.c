@@ -198,12 +198,14 @@ static void say_members(FILE *out, hid_t file) {
 }
 
 static void say_all(FILE *out, const char *path, hid_t file, hid_t root) {
-  static const char *const surface[] = {"area", "mean_radiosity", "mean_irradiance"};
-  static const char *const probe[] = {"position", "radiosity", "irradiance"};
+  static const char *const surface[] = {"area",          "mean_radiosity", "mean_irradiance",
+                                        "mean_net_flux", "net_power",      "temperature"};
+  static const char *const probe[] = {"position", "radiosity", "irradiance", "net_flux",
+                                      "temperature"};
   fprintf(out, "%s: polyrad %s\n", path, rad_hdf_has(root, "study") ? "study" : "result");
   say_origin(out, root);
-  say_list(out, root, "surfaces", 3, surface);
-  say_list(out, root, "probes", 3, probe);
+  say_list(out, root, "surfaces", 6, surface);
+  say_list(out, root, "probes", 5, probe);
   say_view_factors(out, root);
   say_diagnostics(out, root);
   say_study(out, root);

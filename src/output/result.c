@@ -7,6 +7,7 @@
 #include "base/memory.h"
 #include "output/hdf.h"
 #include "output/stamp.h"
+#include "output/thermal.h"
 #include "output/vtkhdf.h"
 
 void rad_result_free(struct rad_result *result) {
@@ -28,6 +29,8 @@ void rad_result_free(struct rad_result *result) {
   free(result->probe_normal);
   free(result->probe_radiosity);
   free(result->probe_irradiance);
+  free(result->probe_flux);
+  free(result->probe_temperature);
   rad_view_factors_free(&result->view_factors);
   *result = (struct rad_result){0};
 }
@@ -45,7 +48,8 @@ static void surface_means(const struct rad_scene *scene, const double *value, co
   }
 }
 
-static void write_surfaces(struct rad_hdf *h, hid_t root, const struct rad_result *r) {
+static void write_surfaces(struct rad_hdf *h, hid_t root, const struct rad_result *r,
+                           const struct rad_thermal_list *thermal) {
   const struct rad_scene *const scene = r->scene;
   const hsize_t n = (hsize_t)scene->n_surface, n_band = (hsize_t)scene->n_band;
   double *const area = rad_calloc(n, sizeof *area);
@@ -77,6 +81,7 @@ static void write_surfaces(struct rad_hdf *h, hid_t root, const struct rad_resul
     rad_hdf_texts(h, group, "name", n, (const char *const *)scene->surface_name, "surface name");
     for (size_t k = 0; k < sizeof column / sizeof *column; k++)
       rad_hdf_array(h, group, &column[k]);
+    rad_thermal_write(h, group, thermal);
     rad_hdf_group_close(h, group);
   } else {
     rad_hdf_fail(h, "out of memory for %d surfaces", scene->n_surface);
@@ -88,16 +93,18 @@ static void write_surfaces(struct rad_hdf *h, hid_t root, const struct rad_resul
 
 /* Columns of /triangles that the scene keeps in another form. */
 struct geometry {
-  double *vertices; /* owned [n, 3, 3] */
-  double *normal;   /* owned [n, 3] */
-  double *emission; /* owned [n, n_band] means */
-  int *surface;     /* owned [n] */
+  double *vertices;   /* owned [n, 3, 3] */
+  double *normal;     /* owned [n, 3] */
+  double *emission;   /* owned [n, n_band] means */
+  double *emissivity; /* owned [n], of thermal scenes */
+  int *surface;       /* owned [n] */
 };
 
 static void geometry_free(struct geometry *g) {
   free(g->vertices);
   free(g->normal);
   free(g->emission);
+  free(g->emissivity);
   free(g->surface);
 }
 
@@ -106,8 +113,9 @@ static int geometry_make(const struct rad_scene *scene, struct geometry *g) {
   *g = (struct geometry){.vertices = rad_alloc(9 * n, sizeof(double)),
                          .normal = rad_alloc(3 * n, sizeof(double)),
                          .emission = rad_alloc(n * n_band, sizeof(double)),
+                         .emissivity = rad_alloc(n, sizeof(double)),
                          .surface = rad_alloc(n, sizeof(int))};
-  if (!g->vertices || !g->normal || !g->emission || !g->surface)
+  if (!g->vertices || !g->normal || !g->emission || !g->emissivity || !g->surface)
     return 0;
   for (size_t j = 0; j < n; j++) {
     const struct rad_triangle *const t = &scene->triangle[j];
@@ -120,11 +128,14 @@ static int geometry_make(const struct rad_scene *scene, struct geometry *g) {
       g->emission[j * n_band + k] = E[0] + (E[n_band] - E[0] + E[2 * n_band] - E[0]) / 3;
     }
     g->surface[j] = t->surface;
+    g->emissivity[j] =
+        scene->heat && scene->heat[j].kind != RAD_HEAT_NONE ? scene->heat[j].emissivity : NAN;
   }
   return 1;
 }
 
-static void write_triangles(struct rad_hdf *h, hid_t root, const struct rad_result *r) {
+static void write_triangles(struct rad_hdf *h, hid_t root, const struct rad_result *r,
+                            const struct rad_thermal_list *thermal) {
   const struct rad_scene *const scene = r->scene;
   const hsize_t n = (hsize_t)scene->n_triangle, n_band = (hsize_t)scene->n_band;
   struct geometry g;
@@ -173,6 +184,11 @@ static void write_triangles(struct rad_hdf *h, hid_t root, const struct rad_resu
                                             r->vertex_exponent}};
   for (size_t k = 0; k < 2 && r->edge_exponent && r->vertex_exponent; k++)
     rad_hdf_array(h, group, &exponent[k]);
+  const struct rad_hdf_array emissivity = {
+      "emissivity", "1", "emissivity; NaN where rho was given", RAD_HDF_REAL, 1, {n}, g.emissivity};
+  if (scene->heat)
+    rad_hdf_array(h, group, &emissivity);
+  rad_thermal_write(h, group, thermal);
   rad_hdf_group_close(h, group);
   geometry_free(&g);
 }
@@ -228,10 +244,25 @@ static void write_probes(struct rad_hdf *h, hid_t root, const struct rad_result 
        2,
        {n, n_band},
        r->probe_irradiance},
+      {"net_flux",
+       "W/m2",
+       "net heat flux u* - h at the probe",
+       RAD_HDF_REAL,
+       1,
+       {n},
+       r->probe_flux},
+      {"temperature",
+       "K",
+       "temperature at the probe; NaN: rho was given, or flux allows none",
+       RAD_HDF_REAL,
+       1,
+       {n},
+       r->probe_temperature},
   };
   const hid_t group = rad_hdf_group(h, root, "probes");
+  const size_t n_column = sizeof column / sizeof *column - (r->scene->heat ? 0 : 2);
   rad_hdf_texts(h, group, "name", n, name, "probe name");
-  for (size_t k = 0; k < sizeof column / sizeof *column; k++)
+  for (size_t k = 0; k < n_column; k++)
     rad_hdf_array(h, group, &column[k]);
   rad_hdf_group_close(h, group);
   free(name);
@@ -316,14 +347,21 @@ static void set_reals(struct rad_hdf *h, hid_t group, const struct rad_diagnosti
 enum rad_code rad_result_write(const char *path, struct rad_result *result, double started,
                                struct rad_error *e) {
   const double begin = rad_seconds();
+  struct rad_thermal thermal;
+  const enum rad_code code = rad_thermal_make(result, &thermal, e);
+  if (code) {
+    rad_thermal_free(&thermal);
+    return code;
+  }
   struct rad_hdf h;
   rad_hdf_begin(&h);
   rad_vtkhdf_write(&h, result);
   const hid_t root = rad_stamp(&h, result->deck, result->command, result->threads, started);
   rad_hdf_set_text(&h, root, "matrix", result->matrix);
   rad_hdf_set_text(&h, root, "solver", result->solver);
-  write_surfaces(&h, root, result);
-  write_triangles(&h, root, result);
+  write_surfaces(&h, root, result, &thermal.surface);
+  write_triangles(&h, root, result, &thermal.triangle);
+  rad_thermal_free(&thermal);
   write_solution(&h, root, result);
   write_probes(&h, root, result);
   write_view_factors(&h, root, &result->view_factors);

@@ -6,17 +6,21 @@
 
 #include "base/memory.h"
 #include "base/vec.h"
+#include "scene/heat.h"
 
 /* What the scene says about every point. */
 struct scenery {
-  double *rho;      /* owned [n_point, n_band] */
-  double *emission; /* owned [n_point, n_band] */
-  int *surface;     /* owned [n_point] */
+  double *rho;                /* owned [n_point, n_band] */
+  double *emission;           /* owned [n_point, n_band] */
+  double *flux, *temperature; /* owned [n_point], of thermal scenes */
+  int *surface;               /* owned [n_point] */
 };
 
 static void scenery_free(struct scenery *s) {
   free(s->rho);
   free(s->emission);
+  free(s->flux);
+  free(s->temperature);
   free(s->surface);
 }
 
@@ -31,6 +35,16 @@ static void barycentric(const struct rad_triangle *t, const double x[3], double 
   const double determinant = aa * bb - ab * ab;
   weight[0] = (bb * da - ab * db) / determinant;
   weight[1] = (aa * db - ab * da) / determinant;
+}
+
+/* Net flux and temperature of triangle j at point i of the picture. */
+static void look_up_heat(const struct rad_scene *scene, const struct rad_picture *p, int j,
+                         int64_t i, struct scenery *s) {
+  if (!scene->heat || !p->radiosity || !p->irradiance)
+    return;
+  s->flux[i] = p->radiosity[i] - p->irradiance[i];
+  s->temperature[i] =
+      rad_heat_temperature(rad_heat_fourth_power(&scene->heat[j], p->irradiance[i]));
 }
 
 /* Properties of triangle j at point i of the picture. Differences keep a constant emission exact.
@@ -54,11 +68,15 @@ static int scenery_make(const struct rad_scene *scene, const struct rad_picture 
   const size_t n = (size_t)p->n_point, n_band = (size_t)scene->n_band;
   *s = (struct scenery){.rho = rad_alloc(n * n_band, sizeof(double)),
                         .emission = rad_alloc(n * n_band, sizeof(double)),
+                        .flux = rad_alloc(n, sizeof(double)),
+                        .temperature = rad_alloc(n, sizeof(double)),
                         .surface = rad_alloc(n, sizeof(int))};
-  if (!s->rho || !s->emission || !s->surface)
+  if (!s->rho || !s->emission || !s->flux || !s->temperature || !s->surface)
     return 0;
-  for (size_t i = 0; i < n; i++)
+  for (size_t i = 0; i < n; i++) {
     s->surface[i] = -1;
+    s->flux[i] = s->temperature[i] = NAN;
+  }
   for (size_t i = 0; i < n * n_band; i++)
     s->rho[i] = s->emission[i] = NAN;
   for (int64_t c = 0; c < p->n_cell; c++)
@@ -67,6 +85,7 @@ static int scenery_make(const struct rad_scene *scene, const struct rad_picture 
       assert(i >= 0 && i < p->n_point);
       assert(p->triangle[c] >= 0 && p->triangle[c] < scene->n_triangle);
       look_up(scene, p->triangle[c], p->point + 3 * i, i, s);
+      look_up_heat(scene, p, p->triangle[c], i, s);
     }
   return 1;
 }
@@ -112,7 +131,14 @@ static void write_surface(struct rad_hdf *h, hid_t group, int64_t n, const int *
 
 /* Fields that are shown: as the deck asks, and as far as they were computed. */
 static const double *shown(const struct rad_result *r, unsigned field, const double *value) {
-  return r->deck->output.fields & field ? value : NULL;
+  const unsigned fields = r->deck->output.fields;
+  return !fields || fields & field ? value : NULL;
+}
+
+/* The same of a field of thermal scenes. */
+static const double *shown_heat(const struct rad_result *r, unsigned field, const double *value) {
+  return r->scene->heat && r->picture.radiosity && r->picture.irradiance ? shown(r, field, value)
+                                                                         : NULL;
 }
 
 static void write_point_data(struct rad_hdf *h, hid_t root, const struct rad_result *r,
@@ -121,11 +147,17 @@ static void write_point_data(struct rad_hdf *h, hid_t root, const struct rad_res
   const int n_band = r->scene->n_band;
   const double *const u = shown(r, RAD_FIELD_RADIOSITY, r->picture.radiosity);
   const double *const g = shown(r, RAD_FIELD_IRRADIANCE, r->picture.irradiance);
+  const double *const q = shown_heat(r, RAD_FIELD_NET_FLUX, s->flux);
+  const double *const t = shown_heat(r, RAD_FIELD_TEMPERATURE, s->temperature);
   const hid_t group = rad_hdf_group(h, root, "PointData");
   if (u)
     write_field(h, group, "radiosity", "W/m2", "radiosity u", n, n_band, u);
   if (g)
     write_field(h, group, "irradiance", "W/m2", "irradiance", n, n_band, g);
+  if (q)
+    write_field(h, group, "net_flux", "W/m2", "net heat flux u - h", n, 1, q);
+  if (t)
+    write_field(h, group, "temperature", "K", "temperature; NaN: rho was given, or none", n, 1, t);
   write_field(h, group, "rho", "1", "reflectivity of the point's triangle", n, n_band, s->rho);
   write_field(h, group, "emission", "W/m2", "emitted radiosity E", n, n_band, s->emission);
   write_surface(h, group, n, s->surface);
@@ -160,14 +192,18 @@ static void write_cell_data(struct rad_hdf *h, hid_t root, const struct rad_resu
   const struct rad_picture *const p = &r->picture;
   const int n_band = r->scene->n_band;
   const struct {
-    const char *name, *description;
+    const char *name, *unit, *description;
     const double *value;
   } field[] = {
-      {"radiosity", "radiosity u, mean over the corners",
+      {"radiosity", "W/m2", "radiosity u, mean over the corners",
        shown(r, RAD_FIELD_RADIOSITY, p->radiosity)},
-      {"irradiance", "irradiance, mean over the corners",
+      {"irradiance", "W/m2", "irradiance, mean over the corners",
        shown(r, RAD_FIELD_IRRADIANCE, p->irradiance)},
-      {"emission", "emitted radiosity E, mean over the corners", s->emission},
+      {"emission", "W/m2", "emitted radiosity E, mean over the corners", s->emission},
+      {"net_flux", "W/m2", "net heat flux u - h, mean over the corners",
+       shown_heat(r, RAD_FIELD_NET_FLUX, s->flux)},
+      {"temperature", "K", "temperature, mean over the corners",
+       shown_heat(r, RAD_FIELD_TEMPERATURE, s->temperature)},
   };
   double *const cell = rad_alloc((size_t)p->n_cell * (size_t)n_band, sizeof *cell);
   if (!cell) {
@@ -178,7 +214,8 @@ static void write_cell_data(struct rad_hdf *h, hid_t root, const struct rad_resu
   for (size_t k = 0; k < sizeof field / sizeof *field; k++)
     if (field[k].value) {
       average(p, n_band, field[k].value, cell);
-      write_field(h, group, field[k].name, "W/m2", field[k].description, p->n_cell, n_band, cell);
+      write_field(h, group, field[k].name, field[k].unit, field[k].description, p->n_cell, n_band,
+                  cell);
     }
   if (p->indicator)
     write_field(h, group, "error_indicator", "W/m2", "largest |rho K (u* - u_h)| of the element",

@@ -11,10 +11,15 @@ enum { RAD_MAX_BAND = 16, RAD_MAX_DEGREE = 23 };
 
 enum rad_side { RAD_SIDE_UNSET, RAD_SIDE_FRONT, RAD_SIDE_BACK, RAD_SIDE_BOTH, RAD_SIDE_NORMAL };
 
-/* Optical properties; a triangle's own win over those of its surface. */
+/* Optical properties; a triangle's own win over those of its surface. Given are rho and emission,
+ * or emissivity and temperature, or emissivity and flux; in the latter two there is one band. */
 struct rad_deck_optics {
-  bool has_rho, has_emission;
-  double rho[RAD_MAX_BAND];         /* [n_band] reflectivity, 0..1 */
+  bool has_rho, has_emissivity;                 /* at most one of these two */
+  bool has_emission, has_temperature, has_flux; /* and of these three */
+  double emissivity;                            /* 0..1 */
+  double temperature;                           /* [K] */
+  double flux;                                  /* net, out of the face [W/m2] */
+  double rho[RAD_MAX_BAND];                     /* [n_band] reflectivity, 0..1 */
   double emission[3][RAD_MAX_BAND]; /* [vertex][band] emitted E [W/m2]; equal when constant */
   enum rad_side side; /* RAD_SIDE_UNSET: the surface's, and front if that has none either */
   double normal[3];   /* when side is RAD_SIDE_NORMAL: any length > 0 */
@@ -84,12 +89,17 @@ enum rad_given {
   RAD_GIVEN_ANY_MESH = 1 | 2 | 4 | 8 | 16 | 32 | 2048 | 4096
 };
 
-enum { RAD_FIELD_RADIOSITY = 1, RAD_FIELD_IRRADIANCE = 2 };
+enum {
+  RAD_FIELD_RADIOSITY = 1,
+  RAD_FIELD_IRRADIANCE = 2,
+  RAD_FIELD_NET_FLUX = 4, /* these two in thermal scenes only */
+  RAD_FIELD_TEMPERATURE = 8
+};
 
 struct rad_deck_output {
   char *file;        /* owned; default: the deck's base name with .vtkhdf, in the working folder */
   int sampling;      /* sub-cells per element and direction, default 4 */
-  unsigned fields;   /* bits RAD_FIELD_*; default both */
+  unsigned fields;   /* bits RAD_FIELD_*; 0: all that there are */
   bool view_factors; /* the matrix between surfaces; default no */
 };
 

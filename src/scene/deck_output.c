@@ -51,9 +51,11 @@ enum rad_code rad_deck_read_probes(struct rad_yaml *y, const struct rad_yaml_nod
 
 static enum rad_code read_fields(struct rad_yaml *y, const struct rad_yaml_node *node,
                                  unsigned *fields) {
-  static const char *const choice[] = {"radiosity", "irradiance", NULL}; /* bits RAD_FIELD_* */
+  static const char *const choice[] = {"radiosity", "irradiance", "net_flux", "temperature",
+                                       NULL}; /* bits RAD_FIELD_* */
   if (node->kind != RAD_YAML_LIST || node->n == 0)
-    return rad_fail_value(y, node, "fields", "a list of radiosity, irradiance");
+    return rad_fail_value(y, node, "fields",
+                          "a list of radiosity, irradiance, net_flux, temperature");
   *fields = 0;
   for (const struct rad_yaml_node *item = node->first; item; item = item->next) {
     int number = 0;
@@ -104,7 +106,6 @@ enum rad_code rad_deck_read_output(struct rad_yaml *y, const struct rad_yaml_nod
       [VIEW_FACTORS] = {.name = "view_factors"},
   };
   deck->output.sampling = 4;
-  deck->output.fields = RAD_FIELD_RADIOSITY | RAD_FIELD_IRRADIANCE;
   const struct rad_yaml_node *seen[N] = {NULL};
   enum rad_code code =
       node ? rad_read_map(y, node, "section 'output'", N, key, &deck->output, seen) : RAD_OK;

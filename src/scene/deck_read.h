@@ -73,6 +73,28 @@ void rad_suggest(const char *word, const char *const *list, char *out, size_t si
 
 enum rad_code rad_deck_read_bands(struct rad_yaml *y, const struct rad_yaml_node *node,
                                   struct rad_deck *deck);
+/* What a triangle and a surface have in common: the first RAD_N_OPTICS keys of their tables. */
+enum {
+  RAD_OPTICS_RHO,
+  RAD_OPTICS_EMISSIVITY,
+  RAD_OPTICS_EMISSION,
+  RAD_OPTICS_TEMPERATURE,
+  RAD_OPTICS_FLUX,
+  RAD_OPTICS_SIDE,
+  RAD_N_OPTICS
+};
+#define RAD_OPTICS_KEYS                                                                            \
+  [RAD_OPTICS_RHO] = {.name = "rho"}, [RAD_OPTICS_EMISSIVITY] = {.name = "emissivity"},            \
+  [RAD_OPTICS_EMISSION] = {.name = "emission"},                                                    \
+  [RAD_OPTICS_TEMPERATURE] = {.name = "temperature"}, [RAD_OPTICS_FLUX] = {.name = "flux"},        \
+  [RAD_OPTICS_SIDE] = {.name = "side"}
+
+/* node: [RAD_N_OPTICS] values, NULL where not given. */
+enum rad_code rad_deck_read_optics(struct rad_yaml *y, const struct rad_yaml_node *const node[],
+                                   int n_band, struct rad_deck_optics *optics);
+enum rad_code rad_deck_read_normal(struct rad_yaml *y, const struct rad_yaml_node *node,
+                                   const struct rad_yaml_node *side,
+                                   struct rad_deck_optics *optics);
 /* After bands and method. */
 enum rad_code rad_deck_read_scene(struct rad_yaml *y, const struct rad_yaml_node *node,
                                   struct rad_deck *deck);

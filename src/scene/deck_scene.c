@@ -6,12 +6,8 @@
 #include "scene/deck_read.h"
 
 static const struct rad_range any = {-INFINITY, INFINITY, false};
-static const struct rad_range fraction = {0, 1, false};
-static const struct rad_range not_negative = {0, INFINITY, false};
 static const struct rad_range exponents = {1, 8, false};
 static const struct rad_range subdivisions = {1, 4096, false};
-
-static const char *const sides[] = {"front", "back", "both", NULL}; /* in the order of rad_side */
 
 enum rad_code rad_deck_read_bands(struct rad_yaml *y, const struct rad_yaml_node *node,
                                   struct rad_deck *deck) {
@@ -35,76 +31,6 @@ enum rad_code rad_deck_read_bands(struct rad_yaml *y, const struct rad_yaml_node
     deck->n_band++;
   }
   return RAD_OK;
-}
-
-/* One number for all bands, or a list with one number per band. */
-static enum rad_code read_spectrum(struct rad_yaml *y, const struct rad_yaml_node *node,
-                                   const char *key, struct rad_range range, int n_band,
-                                   double *value) {
-  if (node->kind == RAD_YAML_LIST && node->n != n_band)
-    return rad_yaml_fail(y, node,
-                         "'%s' has %d numbers but there are %d bands; give one number, or a list "
-                         "with one per band",
-                         key, node->n, n_band);
-  if (node->kind == RAD_YAML_LIST)
-    return rad_read_reals(y, node, key, n_band, range, value);
-  enum rad_code code = rad_read_real(y, node, key, range, &value[0]);
-  for (int b = 1; b < n_band && !code; b++)
-    value[b] = value[0];
-  return code;
-}
-
-static enum rad_code read_linear_emission(struct rad_yaml *y, const struct rad_yaml_node *node,
-                                          int n_band, struct rad_deck_optics *optics) {
-  static const struct rad_key key[] = {{.name = "vertices"}};
-  const struct rad_yaml_node *list;
-  enum rad_code code = rad_read_map(y, node, "'emission'", 1, key, optics, &list);
-  if (code)
-    return code;
-  if (!list || list->kind != RAD_YAML_LIST || list->n != 3)
-    return rad_fail_value(y, list ? list : node, list ? "vertices" : "emission",
-                          "a number, one per band, or {vertices: [E0, E1, E2]}");
-  int v = 0;
-  for (const struct rad_yaml_node *item = list->first; item && !code; item = item->next)
-    code = read_spectrum(y, item, "emission", not_negative, n_band, optics->emission[v++]);
-  return code;
-}
-
-/* Any of the nodes may be NULL. */
-static enum rad_code read_optics(struct rad_yaml *y, const struct rad_yaml_node *rho,
-                                 const struct rad_yaml_node *emission,
-                                 const struct rad_yaml_node *side, int n_band,
-                                 struct rad_deck_optics *optics) {
-  enum rad_code code = RAD_OK;
-  optics->has_rho = rho != NULL;
-  optics->has_emission = emission != NULL;
-  if (rho)
-    code = read_spectrum(y, rho, "rho", fraction, n_band, optics->rho);
-  if (!code && emission && emission->kind == RAD_YAML_MAP)
-    code = read_linear_emission(y, emission, n_band, optics);
-  else if (!code && emission) {
-    code = read_spectrum(y, emission, "emission", not_negative, n_band, optics->emission[0]);
-    for (int v = 1; v < 3; v++)
-      memcpy(optics->emission[v], optics->emission[0], sizeof optics->emission[0]);
-  }
-  int number = 0;
-  if (!code && side) {
-    code = rad_read_choice(y, side, "side", sides, &number);
-    optics->side = (enum rad_side)(RAD_SIDE_FRONT + number);
-  }
-  return code;
-}
-
-static enum rad_code read_normal(struct rad_yaml *y, const struct rad_yaml_node *node,
-                                 const struct rad_yaml_node *side, struct rad_deck_optics *optics) {
-  if (side)
-    return rad_yaml_fail(y, side, "both 'normal' and 'side' are given; remove one of them");
-  optics->side = RAD_SIDE_NORMAL;
-  enum rad_code code = rad_read_reals(y, node, "normal", 3, any, optics->normal);
-  const double *n = optics->normal;
-  if (!code && n[0] == 0 && n[1] == 0 && n[2] == 0)
-    return rad_fail_value(y, node, "normal", "a direction that is not zero");
-  return code;
 }
 
 static enum rad_code read_vertices(struct rad_yaml *y, const struct rad_yaml_node *node,
@@ -155,16 +81,14 @@ static enum rad_code read_elements(struct rad_yaml *y, const struct rad_yaml_nod
 
 static enum rad_code read_triangle(struct rad_yaml *y, const struct rad_yaml_node *node, int number,
                                    const struct rad_deck *deck, struct rad_deck_triangle *t) {
-  enum { NAME, VERTICES, NORMAL, SIDE, RHO, EMISSION, GRADING, ELEMENTS, N };
+  enum { NAME = RAD_N_OPTICS, VERTICES, NORMAL, GRADING, ELEMENTS, N };
   static const struct rad_key key[N] = {
+      RAD_OPTICS_KEYS,
       [NAME] = {.name = "name",
                 .type = RAD_KEY_TEXT,
                 .offset = offsetof(struct rad_deck_triangle, name)},
       [VERTICES] = {.name = "vertices"},
       [NORMAL] = {.name = "normal"},
-      [SIDE] = {.name = "side"},
-      [RHO] = {.name = "rho"},
-      [EMISSION] = {.name = "emission"},
       [GRADING] = {.name = "grading"},
       [ELEMENTS] = {.name = "elements"},
   };
@@ -176,9 +100,9 @@ static enum rad_code read_triangle(struct rad_yaml *y, const struct rad_yaml_nod
   if (!code)
     code = read_vertices(y, seen[VERTICES], t);
   if (!code)
-    code = read_optics(y, seen[RHO], seen[EMISSION], seen[SIDE], deck->n_band, &t->optics);
+    code = rad_deck_read_optics(y, seen, deck->n_band, &t->optics);
   if (!code && seen[NORMAL])
-    code = read_normal(y, seen[NORMAL], seen[SIDE], &t->optics);
+    code = rad_deck_read_normal(y, seen[NORMAL], seen[RAD_OPTICS_SIDE], &t->optics);
   if (!code && seen[GRADING])
     code = read_grading(y, seen[GRADING], deck->method.mesh == RAD_MESH_GRADED, t);
   if (!code && seen[ELEMENTS])
@@ -226,19 +150,17 @@ static enum rad_code read_mesh(struct rad_yaml *y, const struct rad_yaml_node *n
 
 static enum rad_code read_surface(struct rad_yaml *y, const struct rad_yaml_node *name, int n_band,
                                   struct rad_deck_surface *surface) {
-  enum { RHO, EMISSION, SIDE, N };
-  static const struct rad_key key[N] = {
-      [RHO] = {.name = "rho"}, [EMISSION] = {.name = "emission"}, [SIDE] = {.name = "side"}};
-  const struct rad_yaml_node *seen[N];
+  static const struct rad_key key[RAD_N_OPTICS] = {RAD_OPTICS_KEYS};
+  const struct rad_yaml_node *seen[RAD_N_OPTICS], *emission;
   surface->line = name->source ? 0 : name->line;
   enum rad_code code = rad_read_text(y, name, "surfaces", &surface->name);
   if (!code)
-    code = rad_read_map(y, name->next, "a surface", N, key, surface, seen);
-  if (!code && seen[EMISSION] && seen[EMISSION]->kind == RAD_YAML_MAP)
-    return rad_fail_value(y, seen[EMISSION], "emission",
+    code = rad_read_map(y, name->next, "a surface", RAD_N_OPTICS, key, surface, seen);
+  if (!code && (emission = seen[RAD_OPTICS_EMISSION]) && emission->kind == RAD_YAML_MAP)
+    return rad_fail_value(y, emission, "emission",
                           "a number or a list, values by vertex belong to a triangle");
   if (!code)
-    code = read_optics(y, seen[RHO], seen[EMISSION], seen[SIDE], n_band, &surface->optics);
+    code = rad_deck_read_optics(y, seen, n_band, &surface->optics);
   return code;
 }
 

@@ -8,6 +8,7 @@
 #include "base/vec.h"
 #include "scene/check.h"
 #include "scene/obj.h"
+#include "scene/optics.h"
 #include "scene/surface.h"
 #include "scene/weld.h"
 
@@ -152,33 +153,13 @@ static enum rad_code copy_bands(struct builder *b) {
 }
 
 static enum rad_code set_optics(struct builder *b) {
-  struct rad_scene *scene = b->scene;
-  size_t n = (size_t)scene->n_triangle, n_band = (size_t)scene->n_band;
-  scene->rho = calloc(n * n_band, sizeof *scene->rho);
-  scene->emission = calloc(3 * n * n_band, sizeof *scene->emission);
-  if (!scene->rho || !scene->emission)
-    return out_of_memory(b, 32.0 * (double)(n * n_band));
-  for (int t = 0; t < scene->n_triangle; t++) {
+  enum rad_code code = rad_optics_begin(b->scene, b->e);
+  for (int t = 0; t < b->scene->n_triangle && !code; t++) {
     int from = b->number[t] - 1;
-    const struct rad_deck_optics *own = own_optics(b, from);
-    const struct rad_deck_optics *shared = surface_optics(b, from);
-    const struct rad_deck_optics *rho = own->has_rho || !shared ? own : shared;
-    const struct rad_deck_optics *emission = own->has_emission || !shared ? own : shared;
-    if (!rho->has_rho || !emission->has_emission) {
-      const char *what = rho->has_rho ? "emission" : "rho";
-      const char *name = scene->surface_name[scene->triangle[t].surface];
-      if (in_deck(b, from))
-        return rad_check_fail(&b->checked, t, b->e, "no %s; give %s here or in scene.surfaces.%s",
-                              what, what, name);
-      return rad_check_fail(&b->checked, t, b->e, "no %s; give scene.surfaces.%s.%s in %s", what,
-                            name, what, b->path);
-    }
-    memcpy(scene->rho + (size_t)t * n_band, rho->rho, n_band * sizeof *scene->rho);
-    for (size_t m = 0; m < 3; m++)
-      memcpy(scene->emission + (3 * (size_t)t + m) * n_band, emission->emission[m],
-             n_band * sizeof *scene->emission);
+    code = rad_optics_set(&b->checked, t, own_optics(b, from), surface_optics(b, from), b->scene,
+                          b->e);
   }
-  return RAD_OK;
+  return code;
 }
 
 /* Area and right-hand normal, from the two shorter edges and with the differences and products in
@@ -291,5 +272,6 @@ void rad_scene_free(struct rad_scene *scene) {
   free(scene->vertex);
   free(scene->rho);
   free(scene->emission);
+  free(scene->heat);
   *scene = (struct rad_scene){0};
 }

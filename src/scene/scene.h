@@ -18,6 +18,16 @@ struct rad_triangle {
   int line; /* in the deck, or in the mesh file for triangles from there; 0 if none */
 };
 
+/* How the radiation of a triangle was given. */
+enum rad_heat_kind { RAD_HEAT_NONE /* rho and emission */, RAD_HEAT_TEMPERATURE, RAD_HEAT_FLUX };
+
+struct rad_heat {
+  enum rad_heat_kind kind;
+  double emissivity;
+  double temperature; /* [K], of RAD_HEAT_TEMPERATURE */
+  double flux;        /* [W/m2], of RAD_HEAT_FLUX */
+};
+
 struct rad_visibility;
 
 /* E at a point of a triangle [W/m2]; mu counts from vertex base, as in rad_patch. */
@@ -31,6 +41,7 @@ struct rad_scene {
   char *band[RAD_MAX_BAND];      /* owned [n_band] */
   double *rho;                   /* owned [n_triangle, n_band] reflectivity */
   double *emission;              /* owned [n_triangle, 3, n_band] E at the vertices [W/m2] */
+  struct rad_heat *heat;         /* owned [n_triangle], or NULL: RAD_HEAT_NONE everywhere */
   rad_emission_at *emission_at;  /* in place of emission, or NULL; asked by one thread at a time */
   void *emission_context;        /* borrowed */
   double size;                   /* diameter of the bounding box [m] */
@@ -46,9 +57,9 @@ struct rad_scene {
  * back to back, with consecutive numbers, the front first; a side that is not given is the front.
  * Normals are the geometric ones, also where the deck gives one. Refused: a degenerate triangle,
  * two triangles with the same vertices and the same normal, numbers that are not finite, rho
- * outside 0..1, a normal that is not perpendicular (1e-6), a triangle without rho or emission, a
- * surface that no triangle names. Warned: triangles that touch other than in a vertex or a whole
- * edge.
+ * outside 0..1, a normal that is not perpendicular (1e-6), a triangle without rho or emission, or
+ * with these and a temperature or flux, a surface that no triangle names. Warned: triangles that
+ * touch other than in a vertex or a whole edge.
  *
  * @param[out] scene  to be freed with rad_scene_free, also after an error
  * @param[out] notes  warnings are appended

@@ -80,6 +80,12 @@ static enum rad_code check_contraction(const struct rad_operator *k, const doubl
   if (white < 0)
     return RAD_OK;
   const struct rad_scene *scene = k->mesh->scene;
+  if (scene->heat && scene->heat[white].kind == RAD_HEAT_FLUX)
+    return rad_fail(e, RAD_ENUMERIC,
+                    "the scene is singular: the part that holds triangle %d (%s) is closed and its "
+                    "faces have prescribed fluxes (or rho = 1) only, which fixes the differences "
+                    "of T^4 but not their level; give one face a temperature or open the scene",
+                    white + 1, scene->surface_name[scene->triangle[white].surface]);
   return rad_fail(e, RAD_ENUMERIC,
                   "the scene is singular: the part that holds triangle %d (%s) is closed and has "
                   "rho = 1 on every face, so light is never lost and no radiosity is finite; lower "

@@ -135,7 +135,7 @@ START_TEST(defaults) {
   snprintf(file, sizeof file, "polyrad-deck-%ld.vtkhdf", (long)getpid());
   ck_assert_str_eq(d.output.file, file);
   ck_assert_int_eq(d.output.sampling, 4);
-  ck_assert_uint_eq(d.output.fields, RAD_FIELD_RADIOSITY | RAD_FIELD_IRRADIANCE);
+  ck_assert_uint_eq(d.output.fields, 0);
   ck_assert(d.study.present && d.study.n_reference == 0);
   rad_deck_free(&d);
 }

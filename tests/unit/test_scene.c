@@ -250,6 +250,84 @@ START_TEST(refuses_missing_optics) {
 }
 END_TEST
 
+/* --- heat radiation --- */
+
+static void heat_surface(struct rad_deck *deck, struct rad_deck_surface *surface) {
+  *surface = (struct rad_deck_surface){
+      .name = "lid",
+      .line = 30,
+      .optics = {
+          .has_emissivity = true, .emissivity = 0.25, .has_temperature = true, .temperature = 100}};
+  deck->n_surface = 1;
+  deck->surface = surface;
+}
+
+START_TEST(heat_of_triangles_and_surfaces) {
+  struct rad_deck deck = {0};
+  struct rad_deck_surface surface;
+  add(&deck, "floor", UNIT);
+  for (int k = 0; k < 3; k++) {
+    double v[3][3];
+    memcpy(v, RAISED, sizeof v);
+    for (int m = 0; m < 3; m++)
+      v[m][2] += k;
+    struct rad_deck_optics *o = &add(&deck, "lid", v)->optics;
+    *o = (struct rad_deck_optics){.has_temperature = k == 1,
+                                  .temperature = 200,
+                                  .has_flux = k == 2,
+                                  .flux = -3,
+                                  .has_emissivity = k == 2,
+                                  .emissivity = 1};
+  }
+  heat_surface(&deck, &surface);
+  struct built b = build_well(&deck);
+  const struct rad_scene *s = &b.scene;
+  static const enum rad_heat_kind kind[4] = {RAD_HEAT_NONE, RAD_HEAT_TEMPERATURE,
+                                             RAD_HEAT_TEMPERATURE, RAD_HEAT_FLUX};
+  /* 0.25 sigma 100^4 and 200^4, sigma = 5.670374419184429e-8 */
+  static const double rho[4] = {0.5, 0.75, 0.75, 1},
+                      e[4] = {1, 1.41759360479610725, 22.681497676737716, -3};
+  for (int t = 0; t < 4; t++) {
+    ck_assert_int_eq(s->heat[t].kind, kind[t]);
+    ck_assert_double_eq(s->rho[t], rho[t]);
+    for (int m = 0; m < 3; m++)
+      ck_assert_double_eq_tol(s->emission[3 * t + m], e[t], 1e-14);
+  }
+  drop(&b, &deck);
+}
+END_TEST
+
+START_TEST(refuses_heat_that_is_not_whole) {
+  struct rad_deck deck = {0};
+  struct rad_deck_surface surface;
+  heat_surface(&deck, &surface);
+  add(&deck, "lid", UNIT)->optics.has_emission = false;
+  refused(&deck,
+          "room.yml:10: error: triangle 1 (lid): 'rho' here and 'temperature' in "
+          "scene.surfaces.lid exclude each other; give rho and emission, or emissivity and "
+          "temperature, or emissivity and flux");
+  heat_surface(&deck, &surface);
+  add(&deck, "lid", UNIT)->optics.has_rho = false;
+  refused(&deck,
+          "room.yml:10: error: triangle 1 (lid): 'emission' here and 'emissivity' in "
+          "scene.surfaces.lid exclude each other; give rho and emission, or emissivity and "
+          "temperature, or emissivity and flux");
+  add(&deck, "lid", UNIT)->optics =
+      (struct rad_deck_optics){.has_flux = true, .has_emissivity = true};
+  refused(&deck,
+          "room.yml:10: error: triangle 1 (lid): emissivity is 0, so no temperature can give its "
+          "flux; give a number above 0, at most 1");
+  add(&deck, "lid", UNIT)->optics = (struct rad_deck_optics){.has_flux = true};
+  refused(&deck,
+          "room.yml:10: error: triangle 1 (lid): no emissivity; give emissivity here or in "
+          "scene.surfaces.lid");
+  add(&deck, "lid", UNIT)->optics = (struct rad_deck_optics){.has_emissivity = true};
+  refused(&deck,
+          "room.yml:10: error: triangle 1 (lid): no temperature (or flux); give temperature here "
+          "or in scene.surfaces.lid");
+}
+END_TEST
+
 START_TEST(refuses_an_unused_surface) {
   struct rad_deck deck = {0};
   struct rad_deck_surface surface[2] = {{.name = "lamp", .line = 30}, {.name = "flor", .line = 31}};
@@ -396,6 +474,8 @@ int main(void) {
   tcase_add_test(holds, welds_up_to_the_limit);
   tcase_add_test(refuses, refuses_a_deck_without_triangles);
   tcase_add_test(refuses, refuses_missing_optics);
+  tcase_add_test(holds, heat_of_triangles_and_surfaces);
+  tcase_add_test(refuses, refuses_heat_that_is_not_whole);
   tcase_add_test(refuses, refuses_an_unused_surface);
   tcase_add_test(refuses, refuses_bad_numbers);
   tcase_add_test(refuses, refuses_degenerate_triangles);
