@@ -64,7 +64,8 @@ typedef struct polyrad polyrad;
 typedef double polyrad_emission(const double x[3], int triangle, const double weight[3], int band,
                                 void *user);
 
-/* A scene; set everything to zero first. Exactly one of the three emissions is given. */
+/* A scene; set everything to zero first. Given are rho and exactly one of the three emissions; or,
+ * for heat radiation, emissivity and temperature or flux, with one band. */
 struct polyrad_scene {
   int n_vertex;
   const double *vertex; /* [n_vertex, 3]; closer than 1e-10 of the scene's size: the same vertex */
@@ -80,6 +81,9 @@ struct polyrad_scene {
   const double *vertex_emission;   /* [n_triangle, 3, n_band] linear between these, or NULL */
   polyrad_emission *emission_at;   /* any function, or NULL */
   void *user;                      /* passed to emission_at; to live as long as the handle */
+  const double *emissivity;        /* [n_triangle] 0..1, in place of rho and emission */
+  const double *temperature;       /* [n_triangle] [K]; NaN where flux is given; or NULL */
+  const double *flux; /* [n_triangle] u - h [W/m2]; NaN where temperature is; or NULL */
 };
 
 /* How to solve; 0 in any field is its default. */
@@ -148,6 +152,15 @@ POLYRAD_API polyrad_status polyrad_evaluate_at(polyrad *p, int n, const int *tri
 
 /* Means over surfaces, each [n_surface, n_band] [W/m2], or NULL. */
 POLYRAD_API polyrad_status polyrad_surface_means(polyrad *p, double *radiosity, double *irradiance);
+
+/**
+ * Of a scene with emissivities, each [n_surface], or NULL.
+ *
+ * @param[out] net_flux     mean of u - h, what the surface gives off [W/m2]
+ * @param[out] temperature  fourth root of the mean of T^4 [K]; NaN where more flux is drawn than
+ * arrives
+ */
+POLYRAD_API polyrad_status polyrad_surface_heat(polyrad *p, double *net_flux, double *temperature);
 
 /**
  * View factors between surfaces: the share of what leaves s evenly that arrives at t. Needs no

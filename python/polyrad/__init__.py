@@ -25,7 +25,8 @@ class _Scene(c.Structure):
     _fields_ = [("n_vertex", c.c_int), ("vertex", _double_p), ("n_triangle", c.c_int), ("triangle", _int_p),
                 ("n_surface", c.c_int), ("surface", _int_p), ("surface_name", c.POINTER(c.c_char_p)),
                 ("n_band", c.c_int), ("rho", _double_p), ("emission", _double_p),
-                ("vertex_emission", _double_p), ("emission_at", _EMISSION), ("user", c.c_void_p)]
+                ("vertex_emission", _double_p), ("emission_at", _EMISSION), ("user", c.c_void_p),
+                ("emissivity", _double_p), ("temperature", _double_p), ("flux", _double_p)]
 
 
 class _Options(c.Structure):
@@ -50,6 +51,7 @@ def _load():
     for function, arguments in {
             "create": [c.POINTER(_Scene), c.POINTER(p)], "solve": [p, c.POINTER(_Options)],
             "get_summary": [p, c.POINTER(Summary)], "surface_means": [p, _double_p, _double_p],
+            "surface_heat": [p, _double_p, _double_p],
             "evaluate": [p, c.c_int, _int_p, _double_p, _double_p, _double_p],
             "evaluate_at": [p, c.c_int, _int_p, _double_p, _double_p, _double_p],
             "view_factors": [p, c.c_double, _double_p], "free": [p], "error_text": [p],
@@ -97,9 +99,12 @@ class Scene:
     vertices [n, 3], triangles [m, 3]; surface [m] or None; names of the surfaces or None;
     rho a number, [m, 1] or [m, bands]; emission the same, or vertex values [m, 3, bands], or a function
     E(x [3], triangle, weight [3], band); bands if it is not to be seen from rho or emission.
+    Heat radiation: instead of rho and emission, emissivity and temperature [K] or flux [W/m2], numbers
+    or [m]; NaN in temperature where flux is given, and the other way round.
     """
 
-    def __init__(self, vertices, triangles, rho, emission, surface=None, names=None, bands=None):
+    def __init__(self, vertices, triangles, rho=None, emission=None, surface=None, names=None, bands=None,
+                 emissivity=None, temperature=None, flux=None):
         self._handle, self._raised = c.c_void_p(), None
         vertices = _doubles(vertices, np.shape(vertices))
         triangles = _ints(triangles, np.shape(triangles))
@@ -107,13 +112,20 @@ class Scene:
             if a.ndim != 2 or a.shape[1] != 3:
                 raise ValueError(f"{what} must have the shape [n, 3]")
         m = len(triangles)
-        shapes = [np.shape(rho)] + ([] if callable(emission) else [np.shape(emission)])
+        shapes = [np.shape(a) for a in (rho, emission) if a is not None and not callable(a)]
         self.bands = bands or max([s[-1] for s in shapes if len(s) > 1], default=1)
         s = _Scene(n_vertex=len(vertices), vertex=_pointer(vertices), n_triangle=m, triangle=_pointer(triangles),
                    n_band=self.bands)
-        rho = self._optics(rho, m)
-        s.rho = _pointer(rho)
-        if callable(emission):
+        if rho is not None:
+            rho = self._optics(rho, m)
+            s.rho = _pointer(rho)
+        heat = {"emissivity": emissivity, "temperature": temperature, "flux": flux}
+        heat = {name: _doubles(a, (m,)) for name, a in heat.items() if a is not None}
+        for name, a in heat.items():
+            setattr(s, name, _pointer(a))
+        if emission is None:
+            pass
+        elif callable(emission):
             s.emission_at = self._callback = self._wrap(emission)
         elif np.ndim(emission) == 3:
             at_vertices = _doubles(emission, (m, 3, self.bands))
@@ -191,6 +203,12 @@ class Scene:
         u, h = np.empty((2, self.n_surface, self.bands))
         self._check(_lib.polyrad_surface_means(self._handle, _pointer(u), _pointer(h)))
         return u, h
+
+    def surface_heat(self):
+        """Mean net flux [W/m2] and temperature [K], each [surfaces], of a scene with emissivities."""
+        q, t = np.empty((2, self.n_surface))
+        self._check(_lib.polyrad_surface_heat(self._handle, _pointer(q), _pointer(t)))
+        return q, t
 
     def view_factors(self, tolerance=0):
         """[surfaces, surfaces]: the share of what leaves row s that arrives at column t."""

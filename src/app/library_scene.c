@@ -28,9 +28,17 @@ static enum rad_code check_counts(const struct polyrad_scene *s, struct rad_erro
     return rad_fail(e, RAD_EINPUT,
                     "n_surface is %d and surface is %s; give both for 1 to %d surfaces, or neither",
                     s->n_surface, s->surface ? "given" : "NULL", s->n_triangle);
+  int given = !!s->emission + !!s->vertex_emission + !!s->emission_at;
+  if (s->emissivity && (s->rho || given || bands_of(s) > 1))
+    return rad_fail(e, RAD_EINPUT,
+                    "emissivity is given, and so are rho, an emission or several bands; for heat "
+                    "radiation give emissivity and temperature or flux only");
+  if (!s->emissivity && (s->temperature || s->flux))
+    return rad_fail(e, RAD_EINPUT, "temperature or flux is given; give emissivity with them");
+  if (s->emissivity)
+    return RAD_OK;
   if (!s->rho)
     return rad_fail(e, RAD_EINPUT, "rho is NULL; give it for every triangle and band");
-  int given = !!s->emission + !!s->vertex_emission + !!s->emission_at;
   if (given != 1)
     return rad_fail(e, RAD_EINPUT,
                     "%d of emission, vertex_emission and emission_at are given; give one", given);
@@ -48,6 +56,32 @@ static enum rad_code check_indices(const struct polyrad_scene *s, struct rad_err
                       t + 1, s->surface[t], s->n_surface - 1);
   }
   return RAD_OK;
+}
+
+/* Every triangle has a number in exactly one of temperature and flux; NaN is none. */
+static enum rad_code check_heat(const struct polyrad_scene *s, struct rad_error *e) {
+  for (int t = 0; t < s->n_triangle && s->emissivity; t++) {
+    double temperature = s->temperature ? s->temperature[t] : NAN,
+           flux = s->flux ? s->flux[t] : NAN;
+    if (!(s->emissivity[t] >= 0 && s->emissivity[t] <= 1))
+      return rad_fail(e, RAD_EINPUT, "triangle %d has the emissivity %g; give a number from 0 to 1",
+                      t + 1, s->emissivity[t]);
+    if (isnan(temperature) == isnan(flux) || isinf(flux) || isinf(temperature) || temperature < 0)
+      return rad_fail(e, RAD_EINPUT,
+                      "triangle %d has the temperature %g and the flux %g; give one of them, a "
+                      "temperature of 0 or more or a finite flux, and NaN for the other",
+                      t + 1, temperature, flux);
+  }
+  return RAD_OK;
+}
+
+static void copy_heat(const struct polyrad_scene *s, int t, struct rad_deck_optics *o) {
+  o->has_flux = s->flux && !isnan(s->flux[t]);
+  o->has_temperature = !o->has_flux;
+  o->has_emissivity = true;
+  o->emissivity = s->emissivity[t];
+  o->flux = o->has_flux ? s->flux[t] : 0;
+  o->temperature = o->has_flux ? 0 : s->temperature[t];
 }
 
 static enum rad_code copy_names(const struct polyrad_scene *s, polyrad *p) {
@@ -75,9 +109,13 @@ static enum rad_code copy_names(const struct polyrad_scene *s, polyrad *p) {
 static void copy_triangle(const struct polyrad_scene *s, const polyrad *p, int t,
                           struct rad_deck_triangle *to) {
   size_t at = (size_t)t, nb = (size_t)bands_of(s);
-  *to = (struct rad_deck_triangle){.name = p->name[s->surface ? s->surface[t] : 0],
-                                   .optics = {.has_rho = true, .has_emission = true}};
-  memcpy(to->optics.rho, s->rho + at * nb, nb * sizeof(double));
+  *to = (struct rad_deck_triangle){
+      .name = p->name[s->surface ? s->surface[t] : 0],
+      .optics = {.has_rho = !s->emissivity, .has_emission = !s->emissivity}};
+  if (s->emissivity)
+    copy_heat(s, t, &to->optics);
+  else
+    memcpy(to->optics.rho, s->rho + at * nb, nb * sizeof(double));
   for (size_t m = 0; m < 3; m++) {
     memcpy(to->vertex[m], s->vertex + 3 * (size_t)s->triangle[3 * at + m], 3 * sizeof(double));
     const double *emission = s->emission          ? s->emission + at * nb
@@ -128,6 +166,7 @@ static enum rad_code find_callers(const struct polyrad_scene *s, polyrad *p) {
 enum rad_code rad_library_scene(const struct polyrad_scene *s, polyrad *p) {
   enum rad_code code = check_counts(s, &p->error);
   code = code ? code : check_indices(s, &p->error);
+  code = code ? code : check_heat(s, &p->error);
   code = code ? code : copy_names(s, p);
   code = code ? code : build(s, p);
   code = code ? code : find_callers(s, p);

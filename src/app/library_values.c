@@ -6,6 +6,7 @@
 
 #include "app/library.h"
 #include "base/memory.h"
+#include "output/thermal.h"
 
 /* Points as the evaluation wants them, in three owned arrays. */
 struct points {
@@ -130,6 +131,44 @@ polyrad_status polyrad_surface_means(polyrad *p, double *radiosity, double *irra
   free(u);
   free(h);
   free(area);
+  return rad_library_leave(p, before, code);
+}
+
+/* Net fluxes and temperatures of the scene's surfaces, in the caller's order. */
+static enum rad_code heat_of_surfaces(polyrad *p, double *net_flux, double *temperature) {
+  size_t n = (size_t)p->run.scene.n_triangle;
+  struct rad_result r = {.scene = &p->run.scene,
+                         .triangle_radiosity = rad_alloc(n, sizeof(double)),
+                         .triangle_irradiance = rad_alloc(n, sizeof(double))};
+  struct rad_thermal heat = {0};
+  enum rad_code code = RAD_OK;
+  if (!r.triangle_radiosity || !r.triangle_irradiance)
+    code = rad_fail_memory(&p->error, "the net fluxes", 16.0 * (double)n);
+  if (!code)
+    code = rad_case_means(&p->run, r.triangle_radiosity, r.triangle_irradiance, &p->error);
+  if (!code)
+    code = rad_thermal_make(&r, &heat, &p->error);
+  for (int s = 0; s < p->n_surface && !code; s++) {
+    if (net_flux)
+      net_flux[p->caller[s]] = heat.surface.flux[s];
+    if (temperature)
+      temperature[p->caller[s]] = heat.surface.temperature[s];
+  }
+  rad_thermal_free(&heat);
+  rad_result_free(&r);
+  return code;
+}
+
+polyrad_status polyrad_surface_heat(polyrad *p, double *net_flux, double *temperature) {
+  if (!p)
+    return POLYRAD_INPUT;
+  int before = rad_library_enter(p);
+  enum rad_code code = rad_library_refuse_unsolved(p);
+  if (!code && !p->run.scene.heat)
+    code = rad_fail(&p->error, RAD_EINPUT,
+                    "the scene has no emissivity; give emissivity and temperature or flux");
+  if (!code)
+    code = heat_of_surfaces(p, net_flux, temperature);
   return rad_library_leave(p, before, code);
 }
 

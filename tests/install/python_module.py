@@ -44,6 +44,25 @@ class Module(unittest.TestCase):
         a.solve(1e-3, threads=1), b.solve(1e-3, threads=1)
         np.testing.assert_allclose(a.surface_means()[0], b.surface_means()[0], atol=2e-3 * 5)
 
+    def test_heat(self):
+        nan = np.nan
+        s = corner(rho=None, emission=None, emissivity=[0.5, 1, 0.25], temperature=[1000, nan, nan], flux=[nan, 0, -5])
+        s.solve(1e-3, threads=1)
+        q, t = s.surface_heat()
+        u, h = s.surface_means()
+        np.testing.assert_allclose(q, (u - h)[:, 0], rtol=1e-12)
+        np.testing.assert_allclose(q[1:], [0, -5], atol=1e-3 * u.max())
+        np.testing.assert_allclose(5.670374419e-8 * t[1:]**4, h[1:, 0] + [0, -5 / 0.25], rtol=1e-9)
+        self.assertEqual(t[0], 1000)
+        with self.assertRaisesRegex(polyrad.Error, "has no emissivity"):
+            s = corner()
+            s.solve(threads=1)
+            s.surface_heat()
+        with self.assertRaisesRegex(polyrad.Error, "emissivity is given, and so are rho"):
+            corner(emissivity=1, temperature=300)
+        with self.assertRaisesRegex(polyrad.Error, "triangle 1 has the temperature nan and the flux nan"):
+            corner(rho=None, emission=None, emissivity=1, temperature=nan)
+
     def test_errors(self):
         with self.assertRaisesRegex(polyrad.Error, "rho is 2 in band 1") as e:
             corner(rho=2)
