@@ -3,6 +3,7 @@
 #define RAD_APP_CASE_H
 
 #include "estimate/adapt.h"
+#include "estimate/iterate.h"
 #include "output/result.h"
 #include "system/solve.h"
 #include "visibility/visibility.h"

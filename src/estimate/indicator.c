@@ -6,13 +6,19 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "estimate/checks.h"
+#include "estimate/iterate.h"
 #include "estimate/layout.h"
 #include "visibility/visibility.h"
 
-enum { CHECK = 5 }; /* check points per direction and element, odd */
-
 /* Points with this part of the worst error tell how many elements share it. */
 #define SPREAD_FROM 0.7
+
+/* Largest tolerance of K d. */
+#define COARSEST 1e-4
+
+/* Unknowns of a leaf. */
+enum { LEAF = 64 };
 
 /* Everything that the steps of one estimate share. */
 struct work {
@@ -21,15 +27,14 @@ struct work {
   const unsigned char *sees;
   int n_band;
   struct rad_mesh fine;
-  struct rad_rules rules; /* of fine */
-  double *d;              /* owned [n_band, n fine points] u* - u_h, over scale */
-  double *star;           /* owned [n_band, n fine points] u* */
-  struct rad_point_list check;
-  int *place;                    /* owned [n check, 2]: triangle, base */
-  double (*mu)[2];               /* owned [n check] */
-  int *element;                  /* owned [n check] element of the check point; -1: a limit point */
-  double *total, *largest, *sum; /* owned [n check] |rho K d|, largest part, sum of parts */
-  double *part;                  /* owned [threads, n_element] */
+  struct rad_rules rules; /* of fine, to the tolerance that K d needs */
+  double *d;            /* owned [2 n_band, n fine points] u* - u_h, over scale; then the same with
+                           the signs of its elements' integrals */
+  double *star;         /* owned [n_band, n fine points] u* */
+  double *integral;     /* owned [n_band, n_element] of d over each element */
+  double *weight;       /* owned [n_triangle, n_band] of K d */
+  struct rad_once once; /* K d */
+  struct rad_checks checks;
   struct rad_indicator *x;
 };
 
@@ -38,21 +43,12 @@ static int passive(const struct work *w, int element) {
 }
 
 /* Black faces of thermal scenes have a net flux, though no unknowns. */
-static int checked(const struct work *w, int element) {
-  int t = rad_element_triangle(w->mesh, element);
-  return !w->passive || !w->passive[t] ||
-         (w->passive[t] == RAD_BLACK && w->mesh->scene->heat != NULL);
+static int checked(const struct work *w, int triangle) {
+  return !w->passive || !w->passive[triangle] ||
+         (w->passive[triangle] == RAD_BLACK && w->mesh->scene->heat != NULL);
 }
 
 /* ---- u* and d at the fine points ----------------------------------------------------------- */
-
-static struct rad_point_list all_points(const struct rad_mesh *mesh, int *triangle) {
-  for (int t = 0; t < mesh->scene->n_triangle; t++)
-    for (int p = mesh->point_first[t]; p < mesh->point_first[t + 1]; p++)
-      triangle[p] = t;
-  return (struct rad_point_list){mesh->n_point, triangle, mesh->point_base,
-                                 (const double(*)[2])mesh->point_mu};
-}
 
 /* Values of u_h of element e at the fine element's points: tensor interpolation. */
 static void interpolate(const struct rad_mesh *mesh, const struct rad_element *e,
@@ -72,31 +68,56 @@ static void interpolate(const struct rad_mesh *mesh, const struct rad_element *e
     }
 }
 
+/* star = K u_h at the fine points, but on passive triangles. */
+static enum rad_code integrate_star(struct work *w, const struct rad_rules *rules, const double *u,
+                                    struct rad_error *e) {
+  size_t n_element = (size_t)w->mesh->n_element;
+  const double *in[RAD_MAX_BAND];
+  double *out[RAD_MAX_BAND];
+  int *first = rad_alloc(2 * n_element, sizeof(int)), *count = first + n_element;
+  if (!first)
+    return rad_fail_memory(e, "the error estimate", 8.0 * (double)n_element);
+  for (int i = 0; i < w->mesh->n_element; i++) {
+    first[i] = w->fine.element[i].first;
+    count[i] = passive(w, i) ? 0 : w->fine.element[i].n_function;
+  }
+  for (size_t b = 0; b < (size_t)w->n_band; b++) {
+    in[b] = u + b * (size_t)w->mesh->n_point;
+    out[b] = w->star + b * (size_t)w->fine.n_point;
+  }
+  struct rad_element_points points = {first, count, w->fine.point_base,
+                                      (const double(*)[2])w->fine.point_mu};
+  struct rad_once once = {0};
+  enum rad_code code = rad_once_begin(w->mesh, rules, LEAF, rules->tolerance, &once, e);
+  if (!code)
+    code = rad_once_gather(&once, w->n_band, in, e);
+  if (!code)
+    code = rad_once_at(&once, &points, w->n_band, out, NULL, NULL, e);
+  rad_once_free(&once);
+  free(first);
+  return code;
+}
+
 static enum rad_code set_star(struct work *w, const struct rad_rules *rules, const double *u,
                               struct rad_error *e) {
-  size_t n = (size_t)w->fine.n_point, nb = (size_t)w->n_band;
-  int *triangle = rad_alloc(n, sizeof(int));
-  double *h = rad_alloc(n * nb, sizeof(double));
-  w->star = rad_alloc(n * nb, sizeof(double));
-  w->d = rad_alloc(n * nb, sizeof(double));
-  enum rad_code code = RAD_OK;
-  if (!triangle || !h || !w->star || !w->d)
-    code = rad_fail_memory(e, "the error estimate", 24.0 * (double)(n * nb));
-  if (!code) {
-    struct rad_point_list list = all_points(&w->fine, triangle);
-    code = rad_irradiance_at(w->mesh, rules, w->sees, &list, w->n_band, u, h, e);
-  }
-  const struct rad_scene *s = w->mesh->scene;
-  for (size_t p = 0; p < n && !code; p++)
-    for (size_t b = 0; b < nb; b++) {
-      double rho = s->rho[(size_t)triangle[p] * nb + b];
-      double *star = &w->star[b * n + p];
-      *star = rad_emission(s, triangle[p], (int)b, w->fine.point_base[p], w->fine.point_mu[p]) +
-              rho * h[p * nb + b];
-      w->x->scale[b] = fmax(w->x->scale[b], fabs(*star));
-    }
-  free(triangle);
-  free(h);
+  const struct rad_mesh *fine = &w->fine;
+  const struct rad_scene *s = fine->scene;
+  size_t n = (size_t)fine->n_point, nb = (size_t)w->n_band;
+  w->star = rad_calloc(n * nb, sizeof(double));
+  w->d = rad_alloc(2 * n * nb, sizeof(double));
+  if (!w->star || !w->d)
+    return rad_fail_memory(e, "the error estimate", 24.0 * (double)(n * nb));
+  enum rad_code code = integrate_star(w, rules, u, e);
+  for (int t = 0; t < s->n_triangle && !code; t++)
+    for (int p = fine->point_first[t]; p < fine->point_first[t + 1]; p++)
+      for (size_t b = 0; b < nb; b++) {
+        double *star = &w->star[b * n + (size_t)p];
+        if (!isfinite(*star))
+          return rad_fail_integral(s, t, e);
+        *star = rad_emission(s, t, (int)b, fine->point_base[p], fine->point_mu[p]) +
+                s->rho[(size_t)t * nb + b] * *star;
+        w->x->scale[b] = fmax(w->x->scale[b], fabs(*star));
+      }
   return code;
 }
 
@@ -172,132 +193,121 @@ static void modes(struct work *w, int i) {
 
 /* ---- rho K d at the check points ------------------------------------------------------------ */
 
-/* Position i of n in [lo, hi] of a variable with exponent p: from 1e-7 of the very edge inwards;
- * i == n is the limit at the edge. */
-static double check_at(int i, int n, double lo, double hi, double p) {
-  if (lo == 0 && (i == 0 || i == n))
-    return i == n ? RAD_LIMIT : RAD_NEAREST;
-  double s = lo + (hi - lo) * (0.002 + 0.996 * 0.5 * (1 - cos(M_PI * i / (n - 1))));
-  return p == 1 ? s : pow(s, p);
+/* int of the Lagrange polynomials of one direction, with its Jacobian. */
+static void panel_integrals(const struct rad_panel *panel, double *integral) {
+  int n = rad_order[RAD_N_ORDER - 1];
+  const double *weight = panel->weight[RAD_N_ORDER - 1];
+  for (int a = 0; a < panel->k; a++) {
+    integral[a] = 0;
+    for (int q = 0; q < n; q++)
+      integral[a] += weight[a * n + q];
+  }
 }
 
-static void free_checks(struct work *w) {
-  free(w->place);
-  free(w->mu);
-  free(w->element);
-  free(w->total);
-  w->place = w->element = NULL;
-  w->mu = NULL;
-  w->total = NULL;
-}
-
-/* The check points of one pass: first every other one in each direction, then the rest. */
-static enum rad_code set_checks(struct work *w, int rest, struct rad_error *e) {
-  enum { N = CHECK, SIDE = CHECK + 1 };
-  size_t most = (size_t)w->mesh->n_element * (SIDE * SIDE);
-  free_checks(w);
-  w->place = rad_alloc(2 * most, sizeof(int));
-  w->mu = rad_alloc(most, sizeof *w->mu);
-  w->element = rad_alloc(most, sizeof(int));
-  w->total = rad_calloc(3 * most, sizeof(double));
-  if (!w->place || !w->mu || !w->element || !w->total)
-    return rad_fail_memory(e, "the check points", 50.0 * (double)most);
-  w->largest = w->total + most;
-  w->sum = w->largest + most;
-  int *triangle = w->place, *base = w->place + most, at = 0;
+/* The integrals of d over the elements, and d with their signs. */
+static void set_integrals(struct work *w) {
+  size_t n = (size_t)w->fine.n_point, n_element = (size_t)w->mesh->n_element;
   for (int i = 0; i < w->mesh->n_element; i++) {
-    const struct rad_element *el = &w->mesh->element[i];
-    const struct rad_patch *patch = &w->mesh->patch[el->patch];
-    for (int q = 0; q < SIDE * SIDE && checked(w, i); q++) {
-      int a = q % SIDE, c = q / SIDE, limit = a == N || c == N;
-      int later = (a < N && a % 2) || (c < N && c % 2);
-      if ((a == N && el->sigma[0] > 0) || (c == N && el->tau[0] > 0) ||
-          (limit && patch->corner < 0))
-        continue; /* no limit inside the triangle, or where positions are not relative to the edge
-                   */
-      if (later != rest || (limit && later))
-        continue;
-      double phi = check_at(a, N, el->sigma[0], el->sigma[1], el->p_phi);
-      double r = check_at(c, N, el->tau[0], el->tau[1], el->p_r);
-      triangle[at] = patch->triangle;
-      base[at] = patch->base;
-      rad_patch_mu(patch, phi, r, w->mu[at]);
-      w->element[at++] = limit ? -1 : i;
+    const struct rad_element *f = &w->fine.element[i];
+    const struct rad_patch *patch = &w->fine.patch[f->patch];
+    double phi[RAD_GAUSS_MAX], r[RAD_GAUSS_MAX];
+    panel_integrals(&w->rules.panel[w->rules.angular[i]], phi);
+    panel_integrals(&w->rules.panel[w->rules.radial[i]], r);
+    for (size_t b = 0; b < (size_t)w->n_band; b++) {
+      double *d = w->d + b * n + f->first, sum = 0;
+      double *with_sign = d + (size_t)w->n_band * n;
+      for (int q = 0; q < f->n_function; q++)
+        sum += d[q] * phi[q % f->k_phi] * r[q / f->k_phi];
+      for (int q = 0; q < f->n_function; q++)
+        with_sign[q] = sum < 0 ? -d[q] : d[q];
+      w->integral[b * n_element + (size_t)i] = sum * patch->a1 * patch->b2;
     }
   }
-  w->check = (struct rad_point_list){at, triangle, base, (const double(*)[2])w->mu};
+}
+
+/* rho of rho K d, 0 where nothing is checked; 1 where E is a function, which nothing else would
+ * resolve for black faces; in thermal scenes at least 1 - rho, the factor of h in the net flux
+ * (15.4). */
+static void set_weights(struct work *w) {
+  const struct rad_scene *s = w->mesh->scene;
+  for (int i = 0; i < s->n_triangle * s->n_band; i++) {
+    double rho = s->emission_at ? 1 : s->rho[i];
+    w->weight[i] = !checked(w, i / s->n_band) ? 0 : s->heat ? fmax(rho, 1 - rho) : rho;
+  }
+}
+
+/* K is wanted no better than d is small: errors of K d are to be like those of u*. */
+static enum rad_code begin_checks(struct work *w, double tolerance, struct rad_error *e) {
+  size_t n_element = (size_t)w->mesh->n_element, nb = (size_t)w->n_band;
+  const double *in[2 * RAD_MAX_BAND];
+  double loose = fmax(tolerance, fmin(tolerance / fmax(w->x->change, 1e-300), COARSEST));
+  w->integral = rad_alloc(n_element * nb, sizeof(double));
+  w->weight = rad_alloc((size_t)w->mesh->scene->n_triangle * nb, sizeof(double));
+  if (!w->integral || !w->weight)
+    return rad_fail_memory(e, "the error estimate", 8.0 * (double)(n_element * nb));
+  enum rad_code code = rad_rules_build(&w->fine, loose, &w->rules, e);
+  if (code)
+    return code;
+  set_weights(w);
+  set_integrals(w);
+  for (size_t b = 0; b < 2 * nb; b++)
+    in[b] = w->d + b * (size_t)w->fine.n_point;
+  code = rad_once_begin(&w->fine, &w->rules, LEAF, loose, &w->once, e);
+  return code ? code : rad_once_gather(&w->once, 2 * w->n_band, in, e);
+}
+
+/* |rho K d| of a check point in the band where it is largest; *at: where its numbers are. */
+static double worst_band(const struct work *w, int triangle, int point, size_t *at) {
+  double most = 0;
+  *at = (size_t)point;
+  for (int b = 0; b < w->n_band; b++) {
+    size_t here = (size_t)b * (size_t)w->checks.n + (size_t)point;
+    double one = w->weight[triangle * w->n_band + b] * fabs(w->checks.total[here]);
+    if (one > most || isnan(one)) {
+      most = one;
+      *at = here;
+    }
+  }
+  return most;
+}
+
+/* What the points of a pass found. */
+static enum rad_code gather(struct work *w, struct rad_error *e) {
+  const struct rad_checks *c = &w->checks;
+  struct rad_indicator *x = w->x;
+  size_t at;
+  int n_element = w->mesh->n_element, n_thread = omp_get_max_threads();
+  for (int p = 0; p < w->mesh->n_patch; p++)
+    x->limit = w->mesh->patch[p].corner < 0 ? INFINITY : x->limit;
+  for (int i = 0; i < n_element; i++) {
+    int triangle = rad_element_triangle(w->mesh, i);
+    for (int t = 0; t < n_thread; t++)
+      x->part[i] = fmax(x->part[i], c->part[(size_t)t * (size_t)n_element + (size_t)i]);
+    for (int q = c->first[i]; q < c->first[i] + c->count[i]; q++) {
+      double one = worst_band(w, triangle, q, &at);
+      if (!isfinite(one))
+        return rad_fail_integral(w->mesh->scene, triangle, e);
+      x->limit = fmax(x->limit, one);
+      if (c->limit[q])
+        continue;
+      x->local[i] = fmax(x->local[i], one);
+      x->worst = fmax(x->worst, one);
+    }
+  }
+  for (int i = 0; i < n_element; i++)
+    for (int q = c->first[i]; q < c->first[i] + c->count[i]; q++)
+      if (!c->limit[q] &&
+          worst_band(w, rad_element_triangle(w->mesh, i), q, &at) > SPREAD_FROM * x->worst)
+        x->spread = fmax(x->spread, c->sum[at] / c->largest[at]);
   return RAD_OK;
 }
 
-/* rho of rho K d; 1 where E is a function, which nothing else would resolve for black faces; in
- * thermal scenes at least 1 - rho, the factor of h in the net flux (15.4). */
-static double weight_of(const struct rad_scene *s, int triangle, int band) {
-  double rho = s->emission_at ? 1 : s->rho[triangle * s->n_band + band];
-  return s->heat ? fmax(rho, 1 - rho) : rho;
-}
-
-/* Parts of the elements at the points of one batch. */
-static void add_parts(void *context, int thread, int first, int m, const double *row) {
-  struct work *w = context;
-  const struct rad_mesh *fine = &w->fine;
-  int triangle = w->check.triangle[first], n_triangle = fine->scene->n_triangle;
-  double *part = w->part + (size_t)thread * (size_t)fine->n_element;
-  for (int i = 0; i < m; i++)
-    for (int b = 0; b < w->n_band; b++) {
-      double rho = weight_of(fine->scene, triangle, b), total = 0, sum = 0, largest = 0;
-      const double *d = w->d + (size_t)b * (size_t)fine->n_point;
-      for (int j = 0; j < n_triangle && rho > 0; j++) {
-        if (!w->sees[(size_t)triangle * n_triangle + j])
-          continue;
-        int e = fine->element_first[fine->patch_first[j]];
-        for (; e < fine->element_first[fine->patch_first[j + 1]]; e++) {
-          const struct rad_element *el = &fine->element[e];
-          double c = 0;
-          for (int f = el->first; f < el->first + el->n_function; f++)
-            c += row[(size_t)f * (size_t)m + (size_t)i] * d[f];
-          c *= rho;
-          total += c;
-          sum += fabs(c);
-          largest = fmax(largest, fabs(c));
-          if (w->element[first + i] >= 0)
-            part[e] = fmax(part[e], fabs(c));
-        }
-      }
-      int at = first + i;
-      if (!(fabs(total) <= w->total[at]) && !isnan(w->total[at])) { /* a NaN stays */
-        w->total[at] = fabs(total);
-        w->sum[at] = sum;
-        w->largest[at] = largest;
-      }
-    }
-}
-
-static enum rad_code check(struct work *w, struct rad_error *e) {
-  int n_thread = omp_get_max_threads(), n_element = w->mesh->n_element;
-  free(w->part);
-  w->part = rad_calloc((size_t)n_thread * (size_t)n_element, sizeof(double));
-  if (!w->part)
-    return rad_fail_memory(e, "the error estimate", 8.0 * n_thread * n_element);
-  enum rad_code code = rad_visit_rows(&w->fine, &w->rules, w->sees, &w->check, add_parts, w, e);
-  struct rad_indicator *x = w->x;
-  for (int p = 0; p < w->mesh->n_patch; p++)
-    x->limit = w->mesh->patch[p].corner < 0 ? INFINITY : x->limit;
-  for (int t = 0; t < n_thread && !code; t++)
-    for (int i = 0; i < n_element; i++)
-      x->part[i] = fmax(x->part[i], w->part[(size_t)t * (size_t)n_element + (size_t)i]);
-  for (int c = 0; c < w->check.n && !code; c++) {
-    if (!isfinite(w->total[c]))
-      return rad_fail_integral(w->mesh->scene, w->check.triangle[c], e);
-    x->limit = fmax(x->limit, w->total[c]);
-    if (w->element[c] < 0)
-      continue;
-    x->local[w->element[c]] = fmax(x->local[w->element[c]], w->total[c]);
-    x->worst = fmax(x->worst, w->total[c]);
-  }
-  for (int c = 0; c < w->check.n && !code; c++)
-    if (w->element[c] >= 0 && w->total[c] > SPREAD_FROM * x->worst)
-      x->spread = fmax(x->spread, w->sum[c] / w->largest[c]);
-  return code;
+static enum rad_code check(struct work *w, int rest, struct rad_error *e) {
+  rad_checks_free(&w->checks);
+  enum rad_code code = rad_checks_set(w->mesh, w->weight, rest, &w->checks, e);
+  if (!code)
+    code = rad_checks_run(&w->once, w->integral, w->weight, &w->checks, e);
+  return code ? code : gather(w, e);
 }
 
 /* -------------------------------------------------------------------------------------------- */
@@ -354,6 +364,17 @@ static enum rad_code finer_mesh(struct work *w, struct rad_error *e) {
   return code ? code : rad_mesh_finish(&w->fine, e);
 }
 
+static void free_work(struct work *w) {
+  rad_once_free(&w->once);
+  rad_checks_free(&w->checks);
+  rad_rules_free(&w->rules);
+  rad_mesh_free(&w->fine);
+  free(w->d);
+  free(w->star);
+  free(w->integral);
+  free(w->weight);
+}
+
 enum rad_code rad_indicate(const struct rad_mesh *mesh, const struct rad_rules *rules,
                            const unsigned char *sees, const unsigned char *passive, const double *u,
                            double enough, struct rad_indicator *x, struct rad_error *e) {
@@ -364,25 +385,16 @@ enum rad_code rad_indicate(const struct rad_mesh *mesh, const struct rad_rules *
   if (!code)
     code = finer_mesh(&w, e);
   if (!code)
-    code = rad_rules_build(&w.fine, rules->tolerance, &w.rules, e);
-  if (!code)
     code = set_star(&w, rules, u, e);
   if (!code) {
     set_difference(&w, u);
     for (int i = 0; i < mesh->n_element; i++)
       modes(&w, i);
+    code = begin_checks(&w, rules->tolerance, e);
   }
   x->spread = 1;
-  for (int rest = 0; rest < 2 && !code && x->worst <= enough; rest++) {
-    code = set_checks(&w, rest, e);
-    if (!code)
-      code = check(&w, e);
-  }
-  rad_rules_free(&w.rules);
-  rad_mesh_free(&w.fine);
-  free(w.d);
-  free(w.star);
-  free_checks(&w);
-  free(w.part);
+  for (int rest = 0; rest < 2 && !code && x->worst <= enough; rest++)
+    code = check(&w, rest, e);
+  free_work(&w);
   return code;
 }

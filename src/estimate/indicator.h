@@ -2,7 +2,7 @@
 #ifndef RAD_ESTIMATE_INDICATOR_H
 #define RAD_ESTIMATE_INDICATOR_H
 
-#include "estimate/iterate.h"
+#include "integrate/rule.h"
 
 /**
  * With d = u* - u_h:  u - u* = (I - rho K)^{-1} rho K d, so with w = (I - rho K)^{-1} 1
@@ -24,15 +24,11 @@ struct rad_indicator {
   double *tail_phi,
       *tail_r; /* owned [n_element] size of u*'s modes beyond the element's, over scale */
   double *rate_phi, *rate_r; /* owned [n_element] decay of its modes: e^-rate per degree */
-  int64_t kernel_values;
 };
 
 /* Points more per direction of the finer mesh; in triangles on which shadows may fall, where d has
  * kinks, twice as many. */
 enum { RAD_MORE = 2, RAD_MORE_SHADED = 4 };
-
-/* Distance of the check points nearest to edges and vertices, as phi or r. */
-#define RAD_NEAREST 1e-7
 
 /**
  * @param[in]  mesh     without folded elements

@@ -201,6 +201,20 @@ void rad_tree_free(struct rad_tree *tree) {
   *tree = (struct rad_tree){0};
 }
 
+size_t rad_tree_most(const struct rad_tree *tree, size_t *element) {
+  size_t most = 1;
+  *element = 1;
+  for (int c = 0; c < tree->n_cluster; c++)
+    if (tree->cluster[c].child < 0 && (size_t)tree->cluster[c].n > most)
+      most = (size_t)tree->cluster[c].n;
+  for (int i = 0; i < tree->mesh->n_element; i++) {
+    const struct rad_element *el = &tree->mesh->element[i];
+    size_t need = (size_t)(el->k_phi * el->k_r + el->k_r);
+    *element = need > *element ? need : *element;
+  }
+  return most;
+}
+
 void rad_cluster_polygon(const struct rad_tree *tree, int cluster, struct rad_polygon *polygon) {
   const struct rad_cluster *c = &tree->cluster[cluster];
   const struct rad_plane *plane = &tree->plane[c->triangle];

@@ -2,6 +2,8 @@
 #ifndef RAD_SYSTEM_CLUSTER_H
 #define RAD_SYSTEM_CLUSTER_H
 
+#include <stddef.h>
+
 #include "mesh/mesh.h"
 #include "visibility/clip.h"
 
@@ -44,6 +46,9 @@ struct rad_tree {
 enum rad_code rad_tree_build(const struct rad_mesh *mesh, int leaf, struct rad_tree *tree,
                              struct rad_error *e);
 void rad_tree_free(struct rad_tree *tree); /* safe twice */
+
+/* Unknowns of the largest leaf; *element: k_phi k_r + k_r of the largest element. */
+size_t rad_tree_most(const struct rad_tree *tree, size_t *element);
 
 /* The part of a cluster's triangle in its rectangle, in the triangle's frame; n = 0 is none. */
 void rad_cluster_polygon(const struct rad_tree *tree, int cluster, struct rad_polygon *polygon);

@@ -238,11 +238,7 @@ enum rad_code rad_basis_build(const struct rad_tree *tree, const struct rad_basi
                               .change = rad_calloc(n, sizeof(double *))};
   if (!basis->rank || !basis->matrix || !basis->change)
     return rad_fail_memory(e, "the bases of the clusters", 20.0 * (double)n);
-  for (int i = 0; i < tree->mesh->n_element; i++) {
-    const struct rad_element *one = &tree->mesh->element[i];
-    size_t need = (size_t)(one->k_phi * one->k_r + one->k_r);
-    most = need > most ? need : most;
-  }
+  rad_tree_most(tree, &most);
   struct work work = {tree, goal, basis, node, most * node}, *w = &work;
 #pragma omp parallel default(none) shared(n_triangle, w)
 #pragma omp single

@@ -127,21 +127,6 @@ static void go_up(struct rad_once *o, const struct up *w) {
   }
 }
 
-/* The largest leaf, and the largest element. */
-static size_t most_of(const struct rad_tree *tree, size_t *element) {
-  size_t most = 1;
-  *element = 1;
-  for (int c = 0; c < tree->n_cluster; c++)
-    if (tree->cluster[c].child < 0 && (size_t)tree->cluster[c].n > most)
-      most = (size_t)tree->cluster[c].n;
-  for (int i = 0; i < tree->mesh->n_element; i++) {
-    const struct rad_element *el = &tree->mesh->element[i];
-    size_t need = (size_t)(el->k_phi * el->k_r + el->k_r);
-    *element = need > *element ? need : *element;
-  }
-  return most;
-}
-
 enum rad_code rad_once_gather(struct rad_once *o, int n_vector, const double *const *u,
                               struct rad_error *e) {
   rad_pages_free(o->moment, o->moment ? node_bytes(o) : 0);
@@ -151,7 +136,7 @@ enum rad_code rad_once_gather(struct rad_once *o, int n_vector, const double *co
   o->moment = rad_pages_alloc(node_bytes(o));
   int n_thread = omp_get_max_threads(), failed = !o->moment;
   struct up *up = rad_calloc((size_t)n_thread, sizeof *up);
-  size_t n = (size_t)o->p.n, element, leaf = most_of(&o->tree, &element);
+  size_t n = (size_t)o->p.n, element, leaf = rad_tree_most(&o->tree, &element);
   size_t value = leaf > (size_t)n_vector ? leaf : (size_t)n_vector;
   for (int t = 0; up && t < n_thread; t++) {
     up[t].value = rad_alloc(value * n, sizeof(double));
@@ -203,12 +188,11 @@ static double *local_of(const struct product *p, int cluster) {
 
 static void count_targets(struct product *p) {
   struct rad_once *o = p->o;
-  const int *first = p->points->first;
   for (int c = o->tree.n_cluster - 1; c >= 0; c--) {
     const struct rad_cluster *t = &o->tree.cluster[c];
     o->n_target[c] = 0;
     for (int i = t->element; t->child < 0 && i < t->element + t->n_element; i++)
-      o->n_target[c] += first[o->tree.element[i] + 1] - first[o->tree.element[i]];
+      o->n_target[c] += p->points->count[o->tree.element[i]];
     if (t->child >= 0)
       o->n_target[c] = o->n_target[t->child] + o->n_target[t->child + 1];
   }
@@ -261,8 +245,8 @@ static int list_points(const struct product *p, int c, struct down *d) {
     return -1;
   int at = 0;
   for (int i = leaf->element; i < leaf->element + leaf->n_element; i++) {
-    int element = o->tree.element[i];
-    for (int q = p->points->first[element]; q < p->points->first[element + 1]; q++, at++) {
+    int first = p->points->first[o->tree.element[i]];
+    for (int q = first; q < first + p->points->count[o->tree.element[i]]; q++, at++) {
       d->point[at] = q;
       d->base[at] = p->points->base[q];
       memcpy(d->mu[at], p->points->mu[q], sizeof d->mu[at]);
@@ -344,7 +328,7 @@ static void near_values(const struct product *p, int triangle, int first, int m,
         for (int q = 0; q < m; q++)
           d->value[v * n + first + q] += out[v * m + q];
       if (p->visit)
-        p->visit(p->context, thread, element[i], m, d->point + first, out);
+        p->visit(p->context, thread, element[i], triangle, m, d->point + first, out);
     }
   }
 }
@@ -410,7 +394,7 @@ static void free_product(struct product *p, int n_thread) {
 static int make_product(struct product *p, int n_thread) {
   const struct rad_once *o = p->o;
   size_t node = (size_t)o->p.n, functions;
-  most_of(&o->tree, &functions);
+  rad_tree_most(&o->tree, &functions);
   p->block = functions * RAD_BATCH > BLOCK ? functions * RAD_BATCH : BLOCK;
   size_t out = (size_t)o->n_vector * (node > RAD_BATCH ? node : RAD_BATCH);
   size_t work = p->block + out > node * node ? p->block + out : node * node;

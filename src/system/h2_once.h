@@ -8,13 +8,13 @@
 
 /* Points by element of a mesh, positions as in rad_patch. */
 struct rad_element_points {
-  const int *first;      /* [n_element + 1] */
-  const int *base;       /* [n] */
-  const double (*mu)[2]; /* [n] */
+  const int *first, *count; /* [n_element] the first of each element, and how many */
+  const int *base;          /* [n] */
+  const double (*mu)[2];    /* [n] */
 };
 
 /**
- * (K u_v)(x) at any points of the elements that carry u_v (theory 14.8): clusters and blocks as for
+ * (K u_v)(x) at any points of the elements that carry u_v (theory 14.9): clusters and blocks as for
  * the hierarchical matrix, but moments go up, values come down, and kernel values and near
  * integrals are made on the way and thrown away.
  */
@@ -50,11 +50,12 @@ enum rad_code rad_once_gather(struct rad_once *o, int n_vector, const double *co
                               struct rad_error *e);
 
 /**
- * What one element near a leaf's points sends to them: value [n_near, n], of points point [n].
+ * What one element near a leaf's points sends to them: value [n_near, n], of points point [n], all
+ * on triangle `target`.
  * Called by the thread that owns the points, elements in ascending order.
  */
-typedef void rad_once_visitor(void *context, int thread, int element, int n, const int *point,
-                              const double *value);
+typedef void rad_once_visitor(void *context, int thread, int element, int target, int n,
+                              const int *point, const double *value);
 
 /**
  * y_v = K u_v at points, for the vectors that were gathered.

@@ -38,7 +38,7 @@ static const unsigned seed = 20261125;
 struct setting {
   struct rad_case c;
   struct rad_element_points points;
-  int n, *first, *triangle, *base; /* n points */
+  int n, *first, *count, *triangle, *base; /* n points */
   double (*mu)[2];
   double *u, *data; /* [N_VECTOR, n_point] */
   const double *vector[N_VECTOR];
@@ -48,7 +48,8 @@ struct setting {
 static void set_points(struct setting *s) {
   const struct rad_mesh *mesh = s->c.mesh;
   int most = mesh->n_element * EACH;
-  s->first = malloc(sizeof(int) * ((size_t)mesh->n_element + 1));
+  s->first = malloc(sizeof(int) * (size_t)mesh->n_element);
+  s->count = malloc(sizeof(int) * (size_t)mesh->n_element);
   s->triangle = malloc(sizeof(int) * (size_t)most);
   s->base = malloc(sizeof(int) * (size_t)most);
   s->mu = malloc(sizeof *s->mu * (size_t)most);
@@ -57,7 +58,8 @@ static void set_points(struct setting *s) {
     const struct rad_element *e = &mesh->element[i];
     const struct rad_patch *patch = &mesh->patch[e->patch];
     s->first[i] = s->n;
-    for (int q = 0; q < EACH - i % 3; q++, s->n++) {
+    s->count[i] = EACH - i % 3;
+    for (int q = 0; q < s->count[i]; q++, s->n++) {
       double a = q ? drand48() : 1e-7, b = q ? drand48() : 1e-7;
       double sigma = e->sigma[0] + a * (e->sigma[1] - e->sigma[0]);
       double tau = e->tau[0] + b * (e->tau[1] - e->tau[0]);
@@ -66,8 +68,7 @@ static void set_points(struct setting *s) {
       rad_patch_mu(patch, pow(sigma, e->p_phi), pow(tau, e->p_r), s->mu[s->n]);
     }
   }
-  s->first[mesh->n_element] = s->n;
-  s->points = (struct rad_element_points){s->first, s->base, (const double(*)[2])s->mu};
+  s->points = (struct rad_element_points){s->first, s->count, s->base, (const double(*)[2])s->mu};
 }
 
 /* A wave, random signs, numbers on one element of three only, and these again: |u| <= 1. */
@@ -107,6 +108,7 @@ static void begin(const struct problem *p, struct setting *s) {
 
 static void end(struct setting *s) {
   free(s->first);
+  free(s->count);
   free(s->triangle);
   free(s->base);
   free(s->mu);
@@ -115,11 +117,12 @@ static void end(struct setting *s) {
 }
 
 /* What near elements sent of vector 2, [n]. */
-static void collect(void *context, int thread, int element, int n, const int *point,
+static void collect(void *context, int thread, int element, int target, int n, const int *point,
                     const double *value) {
   double *sum = context;
   (void)thread;
   (void)element;
+  (void)target;
   for (int i = 0; i < n; i++)
     sum[point[i]] += value[2 * n + i];
 }
