@@ -216,6 +216,63 @@ START_TEST(solutions) {
 }
 END_TEST
 
+/* What a user gets: quadrature and compression both to the tolerance, against the dense matrix of
+ * quadrature 1e-12. Asked for: 3 tolerances of max |u|. The larger size takes 6 GB. */
+struct size {
+  const char *name;
+  void (*scene)(struct deck_text *);
+  const char *mesh;
+  int unknowns, is_large;
+};
+
+static const struct size sizes[] = {
+    {"S1, P(8,1)", corner_scene, "mesh: paper, elements: 8, degree: 1", 4608, 0},
+    {"shadow, degree 1", shadow_scene, "mesh: uniform, elements: 16, degree: 1", 4608, 0},
+    {"S1, P(16,1)", corner_scene, "mesh: paper, elements: 16, degree: 1", 18432, 1},
+    {"shadow, degree 1", shadow_scene, "mesh: uniform, elements: 32, degree: 1", 18432, 1},
+};
+
+static void solve_as(const struct size *s, const char *matrix, double tolerance,
+                     struct rad_case *c) {
+  struct deck_text *d = malloc(sizeof *d);
+  struct rad_error e;
+  deck_begin(d);
+  s->scene(d);
+  deck_add(d,
+           "method: {%s, matrix: %s, solver: gmres, solver_tolerance: 1e-13, "
+           "quadrature_tolerance: %g}\n",
+           s->mesh, matrix, tolerance);
+  ck_assert_msg(deck_solve(d, c, &e) == RAD_OK, "%s", e.text);
+  ck_assert_int_eq(c->mesh->n_point, s->unknowns);
+  free(d);
+}
+
+START_TEST(sizes_and_tolerances) {
+  static const double tolerance[] = {1e-4, 1e-6, 1e-8, 1e-10};
+  const struct size *s = &sizes[_i];
+  struct rad_case exact, c;
+  if (s->is_large && !getenv("POLYRAD_TEST_FULL"))
+    return;
+  solve_as(s, "dense", 1e-12, &exact);
+  for (int t = 0; t < 4; t++) {
+    double worst = 0, most = 0;
+    solve_as(s, "hierarchical", tolerance[t], &c);
+    for (int i = 0; i < s->unknowns; i++) {
+      worst = fmax(worst, fabs(c.u[i] - exact.u[i]));
+      most = fmax(most, fabs(exact.u[i]));
+    }
+    if (getenv("POLYRAD_TEST_VERBOSE"))
+      printf("%-18s n %5d, tolerance %g: error of u %.2g of it, estimate %.2g; %.3g MB\n", s->name,
+             s->unknowns, tolerance[t], worst / most / tolerance[t], c.h2.error / tolerance[t],
+             c.h2.bytes * 1e-6);
+    ck_assert_msg(worst <= 3 * tolerance[t] * most, "%s, %g: %g of %g", s->name, tolerance[t],
+                  worst, most);
+    rad_case_free(&c);
+  }
+  rad_case_free(&exact);
+}
+END_TEST
+
 /* Built and applied by 1, 2 and 7 threads; one vector alone or in company. */
 START_TEST(same_bits) {
   static const int which[] = {0, 11}, threads[] = {1, 2, 7};
@@ -306,9 +363,10 @@ END_TEST
 int main(void) {
   Suite *s = suite_create("hierarchical");
   TCase *c = tcase_create("hierarchical");
-  tcase_set_timeout(c, 300);
+  tcase_set_timeout(c, 600);
   tcase_add_loop_test(c, products, 0, N_PROBLEM);
   tcase_add_loop_test(c, solutions, 0, 6);
+  tcase_add_loop_test(c, sizes_and_tolerances, 0, sizeof sizes / sizeof *sizes);
   tcase_add_loop_test(c, same_bits, 0, 2);
   tcase_add_test(c, blocks_cover);
   tcase_add_test(c, deck_switch);
