@@ -107,9 +107,11 @@ static enum rad_code choose_matrix(struct rad_case *c, struct rad_error *e) {
 }
 
 enum rad_code rad_case_prepare(const char *deck, int n_set, const char *const *set,
-                               struct rad_case *c, struct rad_error *e) {
+                               struct rad_progress *progress, struct rad_case *c,
+                               struct rad_error *e) {
   *c = (struct rad_case){0};
   double start = rad_seconds();
+  rad_progress_phase(progress, "scene");
   enum rad_code code = rad_deck_read(deck, n_set, set, &c->deck, e);
   if (!code)
     code = refuse_unavailable(c, e);
@@ -117,6 +119,8 @@ enum rad_code rad_case_prepare(const char *deck, int n_set, const char *const *s
     code = rad_scene_build(&c->deck, &c->scene, &c->notes, e);
   if (!code)
     code = refuse_fields(c, e);
+  c->scene.progress = progress;
+  rad_progress_phase(progress, "visibility");
   if (!code)
     code = rad_visibility_build(&c->scene, &c->visibility, e);
   c->seconds_scene = rad_seconds() - start;
@@ -126,6 +130,7 @@ enum rad_code rad_case_prepare(const char *deck, int n_set, const char *const *s
   if (c->is_adaptive)
     return rad_case_check_probes(c, e);
   start = rad_seconds();
+  rad_progress_phase(progress, "mesh");
   if (!code) {
     plan(c);
     if (!may_compress(c) || c->plan.rest_bytes > c->plan.available)
@@ -191,6 +196,7 @@ static struct rad_goal goal_of(const struct rad_case *c) {
 /* The bound of a solution on a mesh made by hand; the estimator has it on loan. */
 static enum rad_code estimate_by_hand(struct rad_case *c, struct rad_error *e) {
   struct rad_goal goal = goal_of(c);
+  rad_progress_phase(c->scene.progress, "estimate");
   double assemble = c->seconds_assemble;
   c->adaptive = (struct rad_adaptive){.mesh = c->mesh,
                                       .rules = c->rules,
@@ -246,6 +252,7 @@ enum rad_code rad_case_solve(struct rad_case *c, struct rad_error *e) {
   struct rad_operator k;
   double start = rad_seconds();
   enum rad_code code = set_data(c, e);
+  rad_progress_phase(c->scene.progress, "matrix");
   if (!code)
     code = rad_rules_build(c->mesh, m->quadrature_tolerance, &c->rules, e);
   if (!code)
@@ -253,6 +260,7 @@ enum rad_code rad_case_solve(struct rad_case *c, struct rad_error *e) {
   if (code)
     return code;
   c->seconds_assemble = rad_seconds() - start;
+  rad_progress_phase(c->scene.progress, "solve");
   struct rad_solve_options o = {m->solver, m->solver_tolerance, m->bounces, c->rules.tolerance};
   code = rad_solve(&k, &o, c->scene.n_band, c->rho, c->emission, c->u, c->h, &c->report, e);
   int bounded = c->wants_bound && c->mesh->n_point <= MOST_BOUNDED;

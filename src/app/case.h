@@ -43,9 +43,10 @@ struct rad_case {
 };
 
 /* deck -> scene -> visibility -> plan -> mesh; refuses what does not fit into memory before
- * anything large is made. */
+ * anything large is made. progress: of this and all later steps, or NULL. */
 enum rad_code rad_case_prepare(const char *deck, int n_set, const char *const *set,
-                               struct rad_case *c, struct rad_error *e);
+                               struct rad_progress *progress, struct rad_case *c,
+                               struct rad_error *e);
 
 /* mesh -> system -> solution; an adaptive case makes its meshes here. When the tolerance could not
  * be reached, c->adaptive.reason says why and report.converged is 0. */

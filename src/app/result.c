@@ -336,6 +336,7 @@ enum rad_code rad_case_result(const struct rad_case *c, const char *command, str
                            .triangle_irradiance = rad_alloc(means, sizeof(double))};
   if (!r->triangle_radiosity || !r->triangle_irradiance)
     return rad_fail_memory(e, "the result", 16.0 * (double)means);
+  rad_progress_phase(c->scene.progress, "means and picture");
   enum rad_code code = rad_case_means(c, r->triangle_radiosity, r->triangle_irradiance, e);
   if (!code)
     code = rad_case_picture(c, &r->picture, e);

@@ -77,7 +77,9 @@ static void print_exponents(const struct rad_case *c, const struct rad_layout *l
 /* polyrad check of an adaptive run: its start; where it ends, only solving can tell. */
 static enum rad_code check_adaptive(const struct rad_case *c, FILE *out, struct rad_error *e) {
   struct rad_layout l = {0};
+  rad_progress_phase(c->scene.progress, "exponents");
   enum rad_code code = rad_layout_begin(&c->scene, c->visibility.sight, c->tolerance, &l, e);
+  rad_progress_clear(c->scene.progress);
   if (!code) {
     double unknowns = rad_layout_unknowns(&l);
     fprintf(out, "  mesh     adaptive, starts with %d elements, %.0f unknowns, %.4g MB\n", l.n_leaf,
@@ -253,10 +255,12 @@ static enum rad_code output(const struct rad_case *c, const struct rad_command *
   const char *path = command->output ? command->output : c->deck.output.file;
   struct rad_result result = {0};
   enum rad_code code = rad_case_result(c, command->line, &result, e);
-  if (!code)
-    warn_view_factors(c, &result.view_factors, command->log);
+  rad_progress_phase(c->scene.progress, "writing");
   if (!code)
     code = rad_result_write(path, &result, started, e);
+  rad_progress_clear(c->scene.progress);
+  if (!code)
+    warn_view_factors(c, &result.view_factors, command->log);
   if (!code && !command->quiet)
     print_solution(c, &result, command->out);
   if (!code)
@@ -271,8 +275,12 @@ static enum rad_code output(const struct rad_case *c, const struct rad_command *
 
 enum rad_code rad_app_run(const struct rad_command *command, struct rad_error *e) {
   struct rad_case c;
+  struct rad_progress line, *progress = command->quiet ? NULL : &line;
   double started = rad_stamp_now();
-  enum rad_code code = rad_case_prepare(command->deck, command->n_set, command->set, &c, e);
+  rad_progress_init(&line, command->log);
+  enum rad_code code =
+      rad_case_prepare(command->deck, command->n_set, command->set, progress, &c, e);
+  rad_progress_clear(progress);
   print_notes(&c, command->log);
   if (!code) {
     code = refuse_overwrite(&c, command->output ? command->output : c.deck.output.file, e);
@@ -281,6 +289,7 @@ enum rad_code rad_app_run(const struct rad_command *command, struct rad_error *e
     if (!command->quiet)
       print_head(&c, command->out);
     code = rad_case_solve(&c, e);
+    rad_progress_clear(progress);
   }
   if (!code) {
     warn(&c, command->log);
@@ -299,7 +308,11 @@ enum rad_code rad_app_run(const struct rad_command *command, struct rad_error *e
 
 enum rad_code rad_app_check(const struct rad_command *command, struct rad_error *e) {
   struct rad_case c;
-  enum rad_code code = rad_case_prepare(command->deck, command->n_set, command->set, &c, e);
+  struct rad_progress line, *progress = command->quiet ? NULL : &line;
+  rad_progress_init(&line, command->log);
+  enum rad_code code =
+      rad_case_prepare(command->deck, command->n_set, command->set, progress, &c, e);
+  rad_progress_clear(progress);
   print_notes(&c, command->log);
   if (!code && c.is_adaptive) {
     print_head(&c, command->out);
@@ -307,8 +320,10 @@ enum rad_code rad_app_check(const struct rad_command *command, struct rad_error 
     rad_case_free(&c);
     return code;
   }
+  rad_progress_phase(progress, "prediction");
   if (!code)
     code = rad_case_predict(&c, e);
+  rad_progress_clear(progress);
   if (!code) {
     const struct rad_plan *p = &c.plan;
     print_head(&c, command->out);

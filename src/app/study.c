@@ -30,6 +30,7 @@ struct study {
   struct row *row; /* owned [n_row + 1]; the last is a named reference */
   int threads;
   enum rad_grid grid;
+  struct rad_progress *progress; /* NULL: quiet */
 };
 
 /* Index of key v's value in run i; the first key varies slowest. */
@@ -66,11 +67,12 @@ static enum rad_code run_row(struct study *s, int i, struct rad_error *e) {
     return rad_fail_memory(e, "the study", RAD_MAX_SET * (double)MAX_TEXT);
   int n_set = overrides(s, i, text, set);
   enum rad_code code =
-      n_set >= 0 ? rad_case_prepare(s->deck.path, n_set, set, &c, e)
+      n_set >= 0 ? rad_case_prepare(s->deck.path, n_set, set, s->progress, &c, e)
                  : rad_fail(e, RAD_EINPUT,
                             "%s: error: more than %d overrides, or a study value longer than %d "
                             "characters; give fewer --set options",
                             s->deck.path, RAD_MAX_SET, MAX_TEXT - 1);
+  rad_progress_clear(s->progress);
   for (int n = 0; n < c.notes.n && i == 0; n++)
     fprintf(s->command->log, "%s\n", c.notes.text[n]);
   c.wants_bound = c.is_adaptive;
@@ -247,7 +249,9 @@ static enum rad_code run_all(struct study *s, struct rad_error *e) {
     return rad_fail_memory(e, "the study", 0);
   int n = s->n_row + (d->n_reference > 0);
   for (int i = 0; i < n; i++) {
+    rad_progress_run(s->progress, i + 1, n);
     enum rad_code code = run_row(s, i, e);
+    rad_progress_clear(s->progress);
     if (code == RAD_ENUMERIC) /* one run that fails does not lose the others */
       fprintf(s->command->log, "study, run %d: %s\n", i + 1, e->text);
     else if (code)
@@ -261,7 +265,11 @@ static enum rad_code run_all(struct study *s, struct rad_error *e) {
 }
 
 enum rad_code rad_app_study(const struct rad_command *command, struct rad_error *e) {
-  struct study s = {.command = command, .threads = omp_get_max_threads()};
+  struct rad_progress line;
+  struct study s = {.command = command,
+                    .threads = omp_get_max_threads(),
+                    .progress = command->quiet ? NULL : &line};
+  rad_progress_init(&line, command->log);
   enum rad_code code = rad_deck_read(command->deck, command->n_set, command->set, &s.deck, e);
   if (!code && !s.deck.study.present)
     code =

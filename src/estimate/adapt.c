@@ -79,6 +79,7 @@ static enum rad_code solve_level(const struct rad_scene *scene, const struct rad
                                  const struct rad_adaptive *before, struct rad_adaptive *a,
                                  struct rad_error *e) {
   double start = rad_seconds();
+  rad_progress_phase(scene->progress, "level %d, matrix", a->levels + 1);
   int *origin = rad_alloc((size_t)a->layout.n_leaf, sizeof(int));
   a->mesh = rad_calloc(1, sizeof *a->mesh);
   if (!origin || !a->mesh) {
@@ -102,6 +103,7 @@ static enum rad_code solve_level(const struct rad_scene *scene, const struct rad
   if (o.tolerance == 0)
     o.tolerance = fmax(SOLVER_PART * g->tolerance, 1e-14);
   struct rad_operator k = rad_operator_dense(&a->dense);
+  rad_progress_phase(scene->progress, "level %d, solve", a->levels + 1);
   return code ? code
               : rad_solve(&k, &o, scene->n_band, a->rho, a->emission, a->u, a->h, &a->report, e);
 }
@@ -239,6 +241,7 @@ static enum rad_code level(const struct rad_scene *scene, const struct rad_goal 
   a->seconds_assemble = a->seconds_estimate = 0;
   enum rad_code code = solve_level(scene, g, &before, a, e);
   double start = rad_seconds();
+  rad_progress_phase(scene->progress, "level %d, estimate", a->levels + 1);
   if (!code)
     code = estimate(g, 0, a, e);
   a->seconds_estimate = rad_seconds() - start;
@@ -272,6 +275,7 @@ enum rad_code rad_adapt(const struct rad_scene *scene, const struct rad_goal *g,
   *a = (struct rad_adaptive){.quadrature = quadrature_tolerance(g, 2.5)};
   double start = rad_seconds(), began = start, least = INFINITY;
   int stuck = 0;
+  rad_progress_phase(scene->progress, "exponents");
   enum rad_code code =
       rad_layout_begin(scene, scene->visibility->sight, g->tolerance, &a->layout, e);
   if (!code)

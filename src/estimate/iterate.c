@@ -65,13 +65,16 @@ enum rad_code rad_visit_rows(const struct rad_mesh *mesh, const struct rad_rules
     code = init_workers(mesh, n_thread, size, worker, e);
   if (!code) {
     int n = list_batches(p, size, first);
+    struct rad_progress *progress = mesh->scene->progress;
+    rad_progress_begin(progress, "points", p->n);
 #pragma omp parallel for schedule(dynamic) default(none)                                           \
-    shared(mesh, rules, sees, p, visit, context, worker, first, n)
+    shared(mesh, rules, sees, p, visit, context, worker, first, n, progress)
     for (int i = 0; i < n; i++) {
       int at = first[i], thread = omp_get_thread_num();
       struct rad_targets t = {p->triangle[at], first[i + 1] - at, p->base + at, p->mu + at, NULL};
       fill(mesh, rules, sees, &t, &worker[thread]);
       visit(context, thread, at, t.n, worker[thread].row);
+      rad_progress_add(progress, t.n);
     }
   }
   for (int t = 0; worker && t < n_thread; t++) {

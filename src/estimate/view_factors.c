@@ -231,6 +231,7 @@ enum rad_code rad_view_factors(const struct rad_scene *scene, double tolerance, 
   double start = rad_seconds(), triangles = scene->n_triangle;
   struct work w = {0};
   *f = (struct rad_view_factors){.tolerance = tolerance};
+  rad_progress_phase(scene->progress, "view factors");
   limit = limit > 0 ? limit : fmax(1e8 / triangles, 400 * triangles);
   enum rad_code code = init(scene->n_surface, f, e);
   if (!code)

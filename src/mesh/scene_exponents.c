@@ -177,6 +177,7 @@ static enum rad_code vertices(const struct rad_scene *scene, const struct rad_ga
   int *corner = rad_alloc(n_corner, sizeof *corner);
   if (first && corner) {
     sort_corners(scene, first, corner);
+    rad_progress_begin(scene->progress, "vertices", n);
 #pragma omp parallel for schedule(dynamic) default(none)                                           \
     shared(scene, g, alpha, first, corner, n, failed)
     for (int v = 0; v < n; v++) {
@@ -191,6 +192,7 @@ static enum rad_code vertices(const struct rad_scene *scene, const struct rad_ga
         int triangle = fan.corner[i] / 3;
         alpha[triangle][fan.corner[i] % 3] = is_black(scene, triangle) ? INFINITY : value;
       }
+      rad_progress_add(scene->progress, 1);
     }
   } else {
     failed = 1;

@@ -4,6 +4,7 @@
 #define RAD_SCENE_SCENE_H
 
 #include "base/error.h"
+#include "base/progress.h"
 #include "scene/deck.h"
 
 struct rad_triangle {
@@ -46,6 +47,7 @@ struct rad_scene {
   void *emission_context;        /* borrowed */
   double size;                   /* diameter of the bounding box [m] */
   const struct rad_visibility *visibility; /* borrowed; NULL: shadows were not looked for */
+  struct rad_progress *progress;           /* borrowed; NULL: none is shown */
 };
 
 /**

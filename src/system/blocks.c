@@ -191,12 +191,15 @@ enum rad_code rad_blocks_build(const struct rad_tree *tree, double least, struct
   struct division *d = rad_calloc((size_t)n, sizeof *d);
   if (!d)
     return rad_fail_memory(e, "the list of blocks", (double)n * sizeof *d);
-#pragma omp parallel for schedule(dynamic) default(none) shared(n, tree, least, d)
+  struct rad_progress *progress = tree->mesh->scene->progress;
+  rad_progress_begin(progress, "triangles", n);
+#pragma omp parallel for schedule(dynamic) default(none) shared(n, tree, least, d, progress)
   for (int i = 0; i < n; i++) {
     d[i].tree = tree;
     d[i].least = least;
     for (int j = 0; j < n; j++)
       divide(&d[i], i, j);
+    rad_progress_add(progress, 1);
   }
   for (int i = 0; i < n; i++)
     failed |= d[i].failed;

@@ -127,10 +127,14 @@ static enum rad_code run_blocks(struct rad_dense *dense, const struct rad_rules 
     code = rad_fail_memory(e, "the list of blocks", (double)n_task * sizeof *task);
   if (!code) {
     list_tasks(dense, passive, task);
+    struct rad_progress *progress = dense->mesh->scene->progress;
+    rad_progress_begin(progress, "blocks", n_task);
 #pragma omp parallel for schedule(dynamic) default(none)                                           \
-    shared(dense, rules, o, task, n_task, scratch)
-    for (int64_t i = 0; i < n_task; i++)
+    shared(dense, rules, o, task, n_task, scratch, progress)
+    for (int64_t i = 0; i < n_task; i++) {
       run_task(dense, rules, &task[i], &o, &scratch[omp_get_thread_num()]);
+      rad_progress_add(progress, 1);
+    }
   }
   free(task);
   free_origins(&o);

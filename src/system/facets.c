@@ -155,9 +155,14 @@ enum rad_code rad_facets_assemble(const struct rad_mesh *mesh, const struct rad_
   struct facets f = {.mesh = mesh, .rules = rules, .sees = sees, .k = k};
   if (!set_targets(&f))
     return rad_fail_memory(e, "the facets", 8.0 * COMPONENTS * n);
-#pragma omp parallel for schedule(dynamic) default(none) shared(f, n, scratch)
-  for (int j = 0; j < n; j += COLUMNS)
-    fill_columns(&f, j, n - j < COLUMNS ? n - j : COLUMNS, &scratch[omp_get_thread_num()]);
+  struct rad_progress *progress = mesh->scene->progress;
+  rad_progress_begin(progress, "columns", n);
+#pragma omp parallel for schedule(dynamic) default(none) shared(f, n, scratch, progress)
+  for (int j = 0; j < n; j += COLUMNS) {
+    int width = n - j < COLUMNS ? n - j : COLUMNS;
+    fill_columns(&f, j, width, &scratch[omp_get_thread_num()]);
+    rad_progress_add(progress, width);
+  }
   free(f.component);
   return RAD_OK;
 }

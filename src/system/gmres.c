@@ -196,7 +196,9 @@ enum rad_code rad_gmres(const struct rad_operator *k, int n_system, struct rad_l
   enum rad_code code = RAD_OK;
   for (int i = 0; i < n_system && !code; i++)
     code = start(&s[i], k->n, &system[i], e);
-  while (!code && multiply(k, n_system, s))
+  struct rad_progress *progress = k->mesh->scene->progress;
+  rad_progress_begin(progress, "products", 0);
+  for (int n; !code && (n = multiply(k, n_system, s)) > 0; rad_progress_add(progress, n))
     for (int i = 0; i < n_system && !code; i++)
       if (!s[i].done)
         code = advance(&s[i], e);

@@ -125,9 +125,14 @@ static enum rad_code couple_all(struct rad_h2 *h, const struct rad_interpolation
     free(work);
     return rad_fail_memory(e, "the far blocks", 8.0 * (double)h->n_far);
   }
-#pragma omp parallel for schedule(dynamic) default(none) shared(h, p, row, column, work, node)
-  for (int t = 0; t < h->tree.n_cluster; t++)
+  struct rad_progress *progress = h->mesh->scene->progress;
+  rad_progress_begin(progress, "far clusters", h->tree.n_cluster);
+#pragma omp parallel for schedule(dynamic) default(none)                                           \
+    shared(h, p, row, column, work, node, progress)
+  for (int t = 0; t < h->tree.n_cluster; t++) {
     couple(h, p, row, column, t, work + 2 * node * node * (size_t)omp_get_thread_num());
+    rad_progress_add(progress, 1);
+  }
   free(work);
   return RAD_OK;
 }

@@ -240,11 +240,16 @@ enum rad_code rad_basis_build(const struct rad_tree *tree, const struct rad_basi
     return rad_fail_memory(e, "the bases of the clusters", 20.0 * (double)n);
   rad_tree_most(tree, &most);
   struct work work = {tree, goal, basis, node, most * node}, *w = &work;
-#pragma omp parallel default(none) shared(n_triangle, w)
+  struct rad_progress *progress = tree->mesh->scene->progress;
+  rad_progress_begin(progress, "bases", n_triangle);
+#pragma omp parallel default(none) shared(n_triangle, w, progress)
 #pragma omp single
   for (int t = 0; t < n_triangle; t++) {
-#pragma omp task default(none) firstprivate(t, w)
-    shrink(w, t, NULL);
+#pragma omp task default(none) firstprivate(t, w, progress)
+    {
+      shrink(w, t, NULL);
+      rad_progress_add(progress, 1);
+    }
   }
   return basis->failed ? rad_fail_memory(e, "the bases of the clusters", 0) : RAD_OK;
 }

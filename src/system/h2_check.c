@@ -107,13 +107,16 @@ struct check {
 static int sample_rows(const struct rad_h2 *h, const struct rad_rules *rules, struct check *c) {
   int n = h->mesh->scene->n_triangle, failed = 0;
   const unsigned char *sees = h->mesh->scene->visibility->sight;
-#pragma omp parallel for schedule(dynamic) default(none) shared(h, rules, c, n, sees)              \
+  struct rad_progress *progress = h->mesh->scene->progress;
+  rad_progress_begin(progress, "pairs checked", (int64_t)GROUPS * n);
+#pragma omp parallel for schedule(dynamic) default(none) shared(h, rules, c, n, sees, progress)    \
     reduction(| : failed)
   for (int task = 0; task < GROUPS * n; task++) {
     const struct group *g = &c->group[task / n];
     if (sees[(size_t)g->triangle * (size_t)n + (size_t)(task % n)])
       failed |= !multiply_rows(h, rules, g, task % n, c->z, &c->scratch[omp_get_thread_num()],
                                c->sum[task]);
+    rad_progress_add(progress, 1);
   }
   return !failed;
 }

@@ -159,12 +159,15 @@ enum rad_code rad_h2_near(struct rad_h2 *h, const struct rad_rules *rules, int n
   int n_thread = omp_get_max_threads(), failed = 0;
   struct rad_scratch *scratch = rad_scratch_make(h->mesh, n_thread, e);
   struct strip *strip = rad_calloc((size_t)n_thread, sizeof *strip);
+  struct rad_progress *progress = h->mesh->scene->progress;
+  rad_progress_begin(progress, "near clusters", h->tree.n_cluster);
   if (scratch && strip) {
-#pragma omp parallel for schedule(dynamic) default(none) shared(h, rules, strip, scratch)          \
-    reduction(| : failed)
+#pragma omp parallel for schedule(dynamic) default(none)                                           \
+    shared(h, rules, strip, scratch, progress) reduction(| : failed)
     for (int t = 0; t < h->tree.n_cluster; t++) {
       int me = omp_get_thread_num();
       failed |= !fill_strip(h, rules, t, &strip[me], &scratch[me]);
+      rad_progress_add(progress, 1);
     }
   } else if (scratch) {
     failed = 1;

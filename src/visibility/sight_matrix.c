@@ -132,7 +132,9 @@ unsigned char *rad_sight_matrix(const struct rad_occluders *o, int64_t most,
     return NULL;
   }
   int failed = 0;
-#pragma omp parallel default(none) shared(o, n, sight, s, most, row, failed)
+  struct rad_progress *progress = o->scene->progress;
+  rad_progress_begin(progress, "triangles", n);
+#pragma omp parallel default(none) shared(o, n, sight, s, most, row, failed, progress)
   {
     int *list = malloc(((size_t)o->n + 1) * sizeof *list);
     if (!list) {
@@ -141,8 +143,10 @@ unsigned char *rad_sight_matrix(const struct rad_occluders *o, int64_t most,
     }
 #pragma omp for schedule(dynamic, 16)
     for (int i = 0; i < n; i++)
-      if (list)
+      if (list) {
         fill_row(o, &s, i, list, &most, sight, &row[i]);
+        rad_progress_add(progress, 1);
+      }
     free(list);
 #pragma omp for schedule(dynamic)
     for (int i = 0; i < n; i += 64)

@@ -46,7 +46,7 @@ enum rad_code deck_prepare(const struct deck_text *d, struct rad_case *c, struct
   if (file < 0 || write(file, d->text, (size_t)d->length) != d->length)
     abort();
   close(file);
-  enum rad_code code = rad_case_prepare(path, 0, NULL, c, e);
+  enum rad_code code = rad_case_prepare(path, 0, NULL, NULL, c, e);
   unlink(path);
   return code;
 }

@@ -57,7 +57,7 @@ static void solve_boxes(int n_box, const struct box *box, int varied, double tol
   fprintf(f, method, "gmres", tolerance);
   fclose(f);
   struct rad_error e;
-  enum rad_code code = rad_case_prepare(path, 0, NULL, c, &e);
+  enum rad_code code = rad_case_prepare(path, 0, NULL, NULL, c, &e);
   unlink(path);
   code = code ? code : rad_case_solve(c, &e);
   ck_assert_msg(code == RAD_OK, "%s", e.text);
