@@ -138,9 +138,8 @@ static double place(double x, const double range[2], double p) {
   return s > 0 ? rad_graded(s, p) : RAD_LIMIT;
 }
 
-/* Local coordinates (phi, r) of point b of an element. */
-static void local_point(const struct rad_mesh *mesh, const struct rad_element *e, int b,
-                        double *phi, double *r) {
+void rad_element_point(const struct rad_mesh *mesh, const struct rad_element *e, int b, double *phi,
+                       double *r) {
   const struct rad_patch *patch = &mesh->patch[e->patch];
   if (patch->corner < 0 && (e->fold || e->k_phi == 1)) {
     const double *node = uniform_node[e->fold != NULL][b];
@@ -158,7 +157,7 @@ static void set_points(struct rad_mesh *mesh) {
     const struct rad_patch *patch = &mesh->patch[e->patch];
     for (int b = 0; b < e->n_function; b++) {
       double phi, r;
-      local_point(mesh, e, b, &phi, &r);
+      rad_element_point(mesh, e, b, &phi, &r);
       mesh->point_base[e->first + b] = patch->base;
       rad_patch_mu(patch, phi, r, mesh->point_mu[e->first + b]);
     }

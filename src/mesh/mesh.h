@@ -74,6 +74,10 @@ static inline double rad_ungraded(double x, double p) {
   return p == 1 ? x : pow(x, 1 / p);
 }
 
+/* Local coordinates (phi, r) of collocation point b of an element. */
+void rad_element_point(const struct rad_mesh *mesh, const struct rad_element *e, int b, double *phi,
+                       double *r);
+
 /* Triangle of an element; position of a point in space [m]. */
 int rad_element_triangle(const struct rad_mesh *mesh, int element);
 int rad_point_triangle(const struct rad_mesh *mesh, int point);

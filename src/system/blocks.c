@@ -5,6 +5,7 @@
 
 #include "base/memory.h"
 #include "base/vec.h"
+#include "system/sector.h"
 #include "visibility/facing.h"
 #include "visibility/part_sight.h"
 #include "visibility/visibility.h"
@@ -16,6 +17,8 @@ struct entry {
   int target, source;
 };
 
+enum kind { FAR, NEAR, SECTOR, N_KIND };
+
 /* A growing list of blocks. */
 struct bag {
   size_t n, room;
@@ -25,13 +28,15 @@ struct bag {
 /* The division of the rows of one triangle. */
 struct division {
   const struct rad_tree *tree;
+  int places; /* on a line of a sector */
   double least;
   int across[2]; /* of the present pair: the target's plane cuts the source; and vice versa */
-  struct bag far, near;
+  struct bag bag[N_KIND];
   int failed;
 };
 
-static void put(struct division *d, struct bag *bag, int target, int source) {
+static void put(struct division *d, enum kind kind, int target, int source) {
+  struct bag *bag = &d->bag[kind];
   if (bag->n == bag->room) {
     size_t room = bag->room ? 2 * bag->room : 64;
     struct entry *grown = realloc(bag->entry, room * sizeof *grown);
@@ -96,6 +101,16 @@ static int is_apart(const struct division *d, const struct rad_cluster *t,
          distance >= APART * fmax(rad_cluster_diameter(t), rad_cluster_diameter(s));
 }
 
+/* The target is of one fan, its places are few, and the source far from its lines. */
+static int is_sector(const struct division *d, const struct rad_cluster *t,
+                     const struct rad_cluster *s) {
+  if (!t->sector || !d->places || 2 * rad_sector_places(d->tree, d->places, t) > t->n)
+    return 0;
+  struct rad_sector sector;
+  rad_sector_set(d->tree, t, &sector);
+  return rad_sector_distance(d->tree, &sector, s) >= APART;
+}
+
 /* One pair of clusters with the occluders list [n] that may stand between them; behind it there is
  * room for the lists of all that it is divided into. */
 static void visit(struct division *d, int target, int source, int *list, int n) {
@@ -106,11 +121,16 @@ static void visit(struct division *d, int target, int source, int *list, int n) 
   if (sight == RAD_HIDDEN)
     return;
   if (sight == RAD_FREE && !cut && is_apart(d, t, s)) {
-    put(d, &d->far, target, source);
-  } else if (t->child < 0 && s->child < 0) {
-    put(d, &d->near, target, source);
-  } else if (s->child < 0 ||
-             (t->child >= 0 && rad_cluster_diameter(t) >= rad_cluster_diameter(s))) {
+    put(d, FAR, target, source);
+    return;
+  }
+  int sector = sight == RAD_FREE && !cut && is_sector(d, t, s);
+  if (t->child < 0 && s->child < 0 && !sector) {
+    put(d, NEAR, target, source);
+  } else if (sector && s->child < 0) {
+    put(d, SECTOR, target, source);
+  } else if (!sector && (s->child < 0 ||
+                         (t->child >= 0 && rad_cluster_diameter(t) >= rad_cluster_diameter(s)))) {
     visit(d, t->child, source, own, n_own);
     visit(d, t->child + 1, source, own, n_own);
   } else {
@@ -145,20 +165,20 @@ static int ascending(const void *a, const void *b) {
   return (*(const int *)a > *(const int *)b) - (*(const int *)a < *(const int *)b);
 }
 
-/* The far or near bags as one list by target. */
-static enum rad_code sort_blocks(const struct rad_tree *tree, const struct division *d, int near,
-                                 struct rad_block_list *list, struct rad_error *e) {
+/* The bags of one kind as one list by target. */
+static enum rad_code sort_blocks(const struct rad_tree *tree, const struct division *d,
+                                 enum kind kind, struct rad_block_list *list, struct rad_error *e) {
   size_t total = 0, n = (size_t)tree->n_cluster;
   int n_triangle = tree->mesh->scene->n_triangle;
   list->first = rad_calloc(n + 2, sizeof(size_t));
   for (int i = 0; i < n_triangle; i++)
-    total += near ? d[i].near.n : d[i].far.n;
+    total += d[i].bag[kind].n;
   list->source = rad_alloc(total, sizeof(int));
   if (!list->first || !list->source)
     return rad_fail_memory(e, "the list of blocks", 4.0 * (double)total + 8.0 * (double)n);
   for (int fill = 0; fill < 2; fill++) {
     for (int i = 0; i < n_triangle; i++) {
-      const struct bag *bag = near ? &d[i].near : &d[i].far;
+      const struct bag *bag = &d[i].bag[kind];
       for (size_t b = 0; b < bag->n; b++) {
         const struct entry *at = &bag->entry[b];
         if (fill)
@@ -176,16 +196,21 @@ static enum rad_code sort_blocks(const struct rad_tree *tree, const struct divis
   return RAD_OK;
 }
 
-static double count_entries(const struct rad_tree *tree, const struct rad_block_list *list) {
+/* places: on a line of a sector; 0: one place for each point. */
+static double count_entries(const struct rad_tree *tree, const struct rad_block_list *list,
+                            int places) {
   double sum = 0;
-  for (int t = 0; t < tree->n_cluster; t++)
+  for (int t = 0; t < tree->n_cluster; t++) {
+    const struct rad_cluster *target = &tree->cluster[t];
+    double rows = places ? rad_sector_places(tree, places, target) : target->n;
     for (size_t b = list->first[t]; b < list->first[t + 1]; b++)
-      sum += (double)tree->cluster[t].n * tree->cluster[list->source[b]].n;
+      sum += rows * tree->cluster[list->source[b]].n;
+  }
   return sum;
 }
 
-enum rad_code rad_blocks_build(const struct rad_tree *tree, double least, struct rad_blocks *blocks,
-                               struct rad_error *e) {
+enum rad_code rad_blocks_build(const struct rad_tree *tree, int places, double least,
+                               struct rad_blocks *blocks, struct rad_error *e) {
   int n = tree->mesh->scene->n_triangle, failed = 0;
   *blocks = (struct rad_blocks){0};
   struct division *d = rad_calloc((size_t)n, sizeof *d);
@@ -193,9 +218,10 @@ enum rad_code rad_blocks_build(const struct rad_tree *tree, double least, struct
     return rad_fail_memory(e, "the list of blocks", (double)n * sizeof *d);
   struct rad_progress *progress = tree->mesh->scene->progress;
   rad_progress_begin(progress, "triangles", n);
-#pragma omp parallel for schedule(dynamic) default(none) shared(n, tree, least, d, progress)
+#pragma omp parallel for schedule(dynamic) default(none) shared(n, tree, places, least, d, progress)
   for (int i = 0; i < n; i++) {
     d[i].tree = tree;
+    d[i].places = places;
     d[i].least = least;
     for (int j = 0; j < n; j++)
       divide(&d[i], i, j);
@@ -205,15 +231,18 @@ enum rad_code rad_blocks_build(const struct rad_tree *tree, double least, struct
     failed |= d[i].failed;
   enum rad_code code = failed ? rad_fail_memory(e, "the list of blocks", 0) : RAD_OK;
   if (!code)
-    code = sort_blocks(tree, d, 0, &blocks->far, e);
+    code = sort_blocks(tree, d, FAR, &blocks->far, e);
   if (!code)
-    code = sort_blocks(tree, d, 1, &blocks->near, e);
+    code = sort_blocks(tree, d, NEAR, &blocks->near, e);
   if (!code)
-    blocks->near_entries = count_entries(tree, &blocks->near);
-  for (int i = 0; i < n; i++) {
-    free(d[i].far.entry);
-    free(d[i].near.entry);
+    code = sort_blocks(tree, d, SECTOR, &blocks->sector, e);
+  if (!code) {
+    blocks->near_entries = count_entries(tree, &blocks->near, 0);
+    blocks->sector_entries = count_entries(tree, &blocks->sector, places);
   }
+  for (int i = 0; i < n; i++)
+    for (int kind = 0; kind < N_KIND; kind++)
+      free(d[i].bag[kind].entry);
   free(d);
   return code;
 }
@@ -223,5 +252,7 @@ void rad_blocks_free(struct rad_blocks *blocks) {
   free(blocks->far.source);
   free(blocks->near.first);
   free(blocks->near.source);
+  free(blocks->sector.first);
+  free(blocks->sector.source);
   *blocks = (struct rad_blocks){0};
 }

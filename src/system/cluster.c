@@ -6,10 +6,17 @@
 #include "base/memory.h"
 #include "base/vec.h"
 #include "integrate/strips.h"
+#include "system/fan.h"
+
+/* What clusters are divided by: places of elements in the plane; of elements of a fan this is the
+ * fan's vertex, so that fans stay whole until nothing else is left, and then are divided by their
+ * distance from it, by patch, by angle. */
+enum { ALONG_0, ALONG_1, LAYER, PATCH, ANGLE, N_KEY };
 
 /* An element while the trees are made. */
 struct item {
-  double low[2], high[2], area;
+  double low[2], high[2], area, key[N_KEY];
+  int fan; /* its number, or -1 */
 };
 
 static void set_plane(const struct rad_triangle *t, struct rad_plane *p) {
@@ -62,10 +69,26 @@ void rad_element_box(const struct rad_tree *tree, int element, double low[2], do
   }
 }
 
+static void set_item(const struct rad_tree *tree, int element, int fan, struct item *item) {
+  const struct rad_element *e = &tree->mesh->element[element];
+  const struct rad_patch *p = &tree->mesh->patch[e->patch];
+  *item = (struct item){.area = rad_element_area(tree->mesh, element), .fan = fan};
+  rad_element_box(tree, element, item->low, item->high);
+  for (int d = 0; d < 2; d++)
+    item->key[ALONG_0 + d] = 0.5 * (item->low[d] + item->high[d]);
+  if (fan < 0)
+    return;
+  flat(&tree->plane[p->triangle], p->v, &item->key[ALONG_0]);
+  item->key[LAYER] = e->tau[0];
+  item->key[PATCH] = e->patch;
+  item->key[ANGLE] = 0.5 * (e->sigma[0] + e->sigma[1]);
+}
+
 /* Rectangle, area and unknowns of a cluster from its elements. */
 static void gather(const struct rad_tree *tree, const struct item *item, struct rad_cluster *c) {
   c->area = 0;
   c->n = 0;
+  c->sector = item[tree->element[c->element]].fan >= 0;
   for (int d = 0; d < 2; d++) {
     c->low[d] = INFINITY;
     c->high[d] = -INFINITY;
@@ -78,25 +101,37 @@ static void gather(const struct rad_tree *tree, const struct item *item, struct 
     }
     c->area += one->area;
     c->n += tree->mesh->element[tree->element[i]].n_function;
+    c->sector &= one->fan == item[tree->element[c->element]].fan;
   }
 }
 
-/* Sort the elements of a cluster to the two sides of the middle of their centres, along the longer
- * direction; returns how many are below. Elements keep their order on each side. */
+/* Ranges of the keys of a cluster's elements. */
+static void range_of(const struct rad_tree *tree, const struct item *item,
+                     const struct rad_cluster *c, double low[N_KEY], double high[N_KEY]) {
+  for (int k = 0; k < N_KEY; k++) {
+    low[k] = INFINITY;
+    high[k] = -INFINITY;
+    for (int i = c->element; i < c->element + c->n_element; i++) {
+      low[k] = fmin(low[k], item[tree->element[i]].key[k]);
+      high[k] = fmax(high[k], item[tree->element[i]].key[k]);
+    }
+  }
+}
+
+/* Sort the elements of a cluster to the two sides of the middle of their places, along the longer
+ * direction, or of the first other key that differs; returns how many are below. Elements keep
+ * their order on each side. */
 static int divide(struct rad_tree *tree, const struct item *item, const struct rad_cluster *c,
                   int *spare) {
-  int *list = tree->element + c->element;
-  double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+  int *list = tree->element + c->element, below = 0, above = 0;
+  double low[N_KEY], high[N_KEY];
+  range_of(tree, item, c, low, high);
+  int by = high[ALONG_1] - low[ALONG_1] > high[ALONG_0] - low[ALONG_0] ? ALONG_1 : ALONG_0;
+  for (int k = LAYER; k < N_KEY && high[by] == low[by]; k++)
+    by = k;
+  double mid = 0.5 * (low[by] + high[by]);
   for (int i = 0; i < c->n_element; i++)
-    for (int d = 0; d < 2; d++) {
-      double center = item[list[i]].low[d] + item[list[i]].high[d];
-      low[d] = fmin(low[d], center);
-      high[d] = fmax(high[d], center);
-    }
-  int along = high[1] - low[1] > high[0] - low[0], below = 0, above = 0;
-  double mid = 0.5 * (low[along] + high[along]);
-  for (int i = 0; i < c->n_element; i++)
-    if (item[list[i]].low[along] + item[list[i]].high[along] < mid)
+    if (item[list[i]].key[by] < mid)
       list[below++] = list[i];
     else
       spare[above++] = list[i];
@@ -177,13 +212,13 @@ enum rad_code rad_tree_build(const struct rad_mesh *mesh, int leaf, struct rad_t
   struct item *item = rad_alloc(n_element, sizeof *item);
   int *spare = rad_alloc(n_element, sizeof(int));
   int done = tree->plane && tree->element && tree->cluster && item && spare;
+  done = done && rad_fans_find(mesh, leaf, spare);
   if (done) {
     for (size_t t = 0; t < n_triangle; t++)
       set_plane(&mesh->scene->triangle[t], &tree->plane[t]);
     for (int i = 0; i < mesh->n_element; i++) {
       tree->element[i] = i;
-      rad_element_box(tree, i, item[i].low, item[i].high);
-      item[i].area = rad_element_area(mesh, i);
+      set_item(tree, i, spare[i], &item[i]);
     }
     done = grow_trees(tree, item, &room, spare) && finish(tree);
   }
@@ -227,34 +262,37 @@ void rad_cluster_polygon(const struct rad_tree *tree, int cluster, struct rad_po
   }
 }
 
-/* Center of the rectangle in space, and its half axes. */
-static void place(const struct rad_tree *tree, const struct rad_cluster *c, double center[3],
-                  double half[2][3]) {
-  const struct rad_plane *p = &tree->plane[c->triangle];
+void rad_cluster_box(const struct rad_tree *tree, const struct rad_cluster *c,
+                     struct rad_box *box) {
+  const struct rad_plane *p = box->plane = &tree->plane[c->triangle];
   for (int d = 0; d < 3; d++) {
-    center[d] = p->origin[d];
+    box->center[d] = p->origin[d];
     for (int m = 0; m < 2; m++) {
-      center[d] += 0.5 * (c->low[m] + c->high[m]) * p->axis[m][d];
-      half[m][d] = 0.5 * (c->high[m] - c->low[m]) * p->axis[m][d];
+      box->center[d] += 0.5 * (c->low[m] + c->high[m]) * p->axis[m][d];
+      box->half[m][d] = 0.5 * (c->high[m] - c->low[m]) * p->axis[m][d];
     }
   }
 }
 
 /* The gap between the projections on an axis, over its length. */
-double rad_cluster_distance(const struct rad_tree *tree, const struct rad_cluster *a,
-                            const struct rad_cluster *b) {
-  double center[2][3], half[2][2][3], between[3], most = 0;
-  place(tree, a, center[0], half[0]);
-  place(tree, b, center[1], half[1]);
-  rad_sub(center[1], center[0], between);
+double rad_box_distance(const struct rad_box *a, const struct rad_box *b) {
+  double between[3], most = 0;
+  rad_sub(b->center, a->center, between);
   for (int i = 0; i < 7; i++) {
-    const double *axis =
-        i == 6 ? between : tree->plane[i < 3 ? a->triangle : b->triangle].axis[i % 3];
+    const double *axis = i == 6 ? between : (i < 3 ? a : b)->plane->axis[i % 3];
     double gap = fabs(rad_dot(between, axis)), length = rad_norm(axis);
-    for (int m = 0; m < 4; m++)
-      gap -= fabs(rad_dot(half[m / 2][m % 2], axis));
+    for (int m = 0; m < 2; m++)
+      gap -= fabs(rad_dot(a->half[m], axis)) + fabs(rad_dot(b->half[m], axis));
     if (gap > most * length)
       most = gap / length;
   }
   return most;
+}
+
+double rad_cluster_distance(const struct rad_tree *tree, const struct rad_cluster *a,
+                            const struct rad_cluster *b) {
+  struct rad_box box[2];
+  rad_cluster_box(tree, a, &box[0]);
+  rad_cluster_box(tree, b, &box[1]);
+  return rad_box_distance(&box[0], &box[1]);
 }

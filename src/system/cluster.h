@@ -22,6 +22,7 @@ struct rad_cluster {
   int element, n_element; /* in the tree's order */
   double low[2], high[2]; /* rectangle around its elements, in the triangle's frame [m] */
   double area;            /* of its elements [m2] */
+  int sector;             /* its elements are of one fan (fan.h) */
 };
 
 /**
@@ -58,7 +59,17 @@ static inline double rad_cluster_diameter(const struct rad_cluster *c) {
   return hypot(c->high[0] - c->low[0], c->high[1] - c->low[1]);
 }
 
-/* A lower bound of the distance of two clusters' rectangles, mostly sharp [m]. */
+/* A rectangle in space, or a line: center and half axes in the plane of a triangle [m]. */
+struct rad_box {
+  double center[3], half[2][3];
+  const struct rad_plane *plane; /* borrowed */
+};
+
+/* The rectangle of a cluster. */
+void rad_cluster_box(const struct rad_tree *tree, const struct rad_cluster *c, struct rad_box *box);
+
+/* A lower bound of the distance of two rectangles, mostly sharp [m]; the same of two clusters'. */
+double rad_box_distance(const struct rad_box *a, const struct rad_box *b);
 double rad_cluster_distance(const struct rad_tree *tree, const struct rad_cluster *a,
                             const struct rad_cluster *b);
 

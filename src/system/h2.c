@@ -17,11 +17,14 @@
 #define ROUNDING 4e-15
 #define SHARE 0.1 /* of the tolerance: the cut of one block's basis */
 
-enum rad_code rad_h2_divide(const struct rad_mesh *mesh, int leaf, double tolerance,
+enum rad_code rad_h2_divide(const struct rad_mesh *mesh, int leaf, double tolerance, int sectors,
                             struct rad_tree *tree, struct rad_blocks *blocks, struct rad_error *e) {
+  struct rad_interpolation p;
+  rad_interpolation_init(&p, tolerance);
   enum rad_code code = rad_tree_build(mesh, leaf, tree, e);
   if (!code)
-    code = rad_blocks_build(tree, ROUNDING * mesh->scene->size / tolerance, blocks, e);
+    code = rad_blocks_build(tree, sectors ? p.q : 0, ROUNDING * mesh->scene->size / tolerance,
+                            blocks, e);
   return code;
 }
 
@@ -176,9 +179,11 @@ static enum rad_code build_far(struct rad_h2 *h, struct rad_error *e) {
 
 static double bytes_of(const struct rad_h2 *h) {
   double clusters = h->tree.n_cluster, far = (double)h->blocks.far.first[h->tree.n_cluster];
-  double near = (double)h->blocks.near.first[h->tree.n_cluster];
+  double near =
+      (double)(h->blocks.near.first[h->tree.n_cluster] + h->blocks.sector.first[h->tree.n_cluster]);
   return 8.0 * (double)(h->row.n_data + h->column.n_data + h->n_far) +
-         (double)h->n_near * (double)rad_h2_near_size(h->tolerance) + 12 * (far + near) +
+         (double)(h->near.n + h->sector.n) * (double)rad_h2_near_size(h->tolerance) +
+         8.0 * (double)h->n_spread + 12 * (far + near) +
          clusters * (double)(sizeof(struct rad_cluster) + 48) + 4.0 * h->mesh->n_point;
 }
 
@@ -187,7 +192,7 @@ enum rad_code rad_h2_build(const struct rad_mesh *mesh, const struct rad_rules *
   *h = (struct rad_h2){
       .mesh = mesh, .sees = mesh->scene->visibility->sight, .tolerance = fmax(tolerance, 1e-13)};
   double start = rad_seconds();
-  enum rad_code code = rad_h2_divide(mesh, RAD_LEAF, h->tolerance, &h->tree, &h->blocks, e);
+  enum rad_code code = rad_h2_divide(mesh, RAD_LEAF, h->tolerance, 1, &h->tree, &h->blocks, e);
   h->seconds_blocks = rad_seconds() - start;
   if (!code)
     code = build_far(h, e);
@@ -209,16 +214,24 @@ static void free_side(struct rad_h2_side *side) {
   rad_pages_free(side->data, sizeof(double) * side->n_data);
 }
 
+static void free_dense(struct rad_h2_dense *dense) {
+  free(dense->at);
+  rad_pages_free(dense->wide, sizeof(double) * dense->n);
+  rad_pages_free(dense->narrow, sizeof(float) * dense->n);
+}
+
 void rad_h2_free(struct rad_h2 *h) {
   free(h->subtree);
   rad_pages_free(h->work, sizeof(double) * RAD_MOST_VECTORS * h->n_work);
   free_side(&h->row);
   free_side(&h->column);
   rad_pages_free(h->far, sizeof(double) * h->n_far);
-  rad_pages_free(h->near_wide, sizeof(double) * h->n_near);
-  rad_pages_free(h->near_narrow, sizeof(float) * h->n_near);
+  free_dense(&h->near);
+  free_dense(&h->sector);
+  free(h->place_count);
+  free(h->spread_at);
+  rad_pages_free(h->spread, sizeof(double) * h->n_spread);
   free(h->far_at);
-  free(h->near_at);
   rad_blocks_free(&h->blocks);
   rad_tree_free(&h->tree);
   *h = (struct rad_h2){0};

@@ -16,8 +16,17 @@ struct rad_h2_side {
   double *data; /* owned [n_data], pages */
 };
 
+/* Dense blocks, in single precision where the tolerance allows it. */
+struct rad_h2_dense {
+  size_t *at;    /* owned [blocks + 1] where a block begins in the data, in the order of its list */
+  size_t n;      /* numbers in all */
+  double *wide;  /* owned [n], pages: blocks [rows, sources] column-major, or NULL */
+  float *narrow; /* likewise in single precision */
+};
+
 /**
- * K ~ sum over far blocks of U_t S_ts W_s^T, plus near blocks (theory 14). U and W are nested.
+ * K ~ sum over far blocks of U_t S_ts W_s^T, over sector blocks of P_t B_ts, plus near blocks
+ * (theory 14). U and W are nested; P_t spreads values from the places of a sector to its points.
  */
 struct rad_h2 {
   const struct rad_mesh *mesh; /* borrowed */
@@ -25,18 +34,21 @@ struct rad_h2 {
   struct rad_tree tree;
   struct rad_blocks blocks;
   struct rad_h2_side row, column;
-  size_t *far_at, *near_at; /* owned [blocks] where a block begins in its data */
-  size_t n_far, n_near;
-  double *far;        /* owned [n_far], pages: [row rank, column rank] column-major */
-  double *near_wide;  /* owned [n_near], pages: [n_target, n_source] column-major, or NULL */
-  float *near_narrow; /* likewise in single precision, where the tolerance allows it */
+  size_t *far_at; /* owned [blocks] where a block begins in its data */
+  size_t n_far;
+  double *far;                      /* owned [n_far], pages: [row rank, column rank] column-major */
+  struct rad_h2_dense near, sector; /* rows: points of the target; its places */
+  int *place_count;  /* owned [n_cluster] places of clusters that have sector blocks, else 0 */
+  size_t *spread_at; /* owned [n_cluster] where P_t begins in spread */
+  size_t n_spread;
+  double *spread; /* owned [n_spread], pages: P_t [points, places] column-major */
   int n_subtree, n_top;
   int *subtree; /* owned [n_subtree + n_top] roots of subtrees that products take one by one; then
                    the clusters above them, parents first */
   size_t n_work;
   double *work; /* owned [RAD_MOST_VECTORS, n_work], pages: vectors in the tree's order, and
                    coefficients of columns and rows */
-  struct rad_counters counters; /* of near blocks */
+  struct rad_counters counters; /* of near and sector blocks */
   double tolerance;             /* asked for: of a row's sum */
   double error;     /* estimate of what compression does to a row's sum, see rad_h2_check */
   double bytes;     /* of all its data */
@@ -48,11 +60,12 @@ struct rad_h2 {
 struct rad_h2_plan {
   double bytes;        /* predicted, of the finished matrix */
   double bytes_build;  /* predicted, at most while it is built */
-  double near_entries; /* exact */
+  double near_entries; /* of near and sector blocks, exact */
 };
 
-/* Cluster trees with leaves of a size, and blocks for a tolerance. */
-enum rad_code rad_h2_divide(const struct rad_mesh *mesh, int leaf, double tolerance,
+/* Cluster trees with leaves of a size, and blocks for a tolerance; sectors: with sector blocks,
+ * which serve the collocation points only. */
+enum rad_code rad_h2_divide(const struct rad_mesh *mesh, int leaf, double tolerance, int sectors,
                             struct rad_tree *tree, struct rad_blocks *blocks, struct rad_error *e);
 
 #define RAD_NARROW 0.99e-7 /* single precision errs by 6e-8 of an entry at most */

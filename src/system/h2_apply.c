@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/simd_math.h"
 #include "system/h2.h"
+#include "system/sector.h"
 
 #define INLINE static inline __attribute__((always_inline))
 
@@ -112,12 +113,14 @@ enum rad_code rad_h2_workspace(struct rad_h2 *h, struct rad_error *e) {
 }
 
 double rad_h2_traffic(const struct rad_h2 *h) {
-  double near = (double)h->n_near * (h->near_narrow ? sizeof(float) : sizeof(double));
+  size_t n_dense = h->near.n + h->sector.n;
+  double near = (double)n_dense * (h->near.narrow ? sizeof(float) : sizeof(double));
   double vectors = 5.0 * h->mesh->n_point; /* u read, moved; y summed, read, written */
   double lists = 12.0 * (double)(h->blocks.far.first[h->tree.n_cluster] +
-                                 h->blocks.near.first[h->tree.n_cluster]);
+                                 h->blocks.near.first[h->tree.n_cluster] +
+                                 h->blocks.sector.first[h->tree.n_cluster]);
   return near +
-         8 * ((double)(h->row.n_data + h->column.n_data + h->n_far) + vectors +
+         8 * ((double)(h->row.n_data + h->column.n_data + h->n_far + h->n_spread) + vectors +
               2.0 * (double)(h->n_work - 2 * (size_t)h->mesh->n_point)) +
          4.0 * h->mesh->n_point + lists;
 }
@@ -148,9 +151,9 @@ static RAD_CLONES void go_up(const struct rad_h2 *h, int c, int n_vector, const 
   }
 }
 
-enum kind { FAR, NEAR };
+enum kind { FAR, NEAR, SECTOR };
 
-/* Where a source's numbers are: coefficients of a far one, unknowns of a near one. */
+/* Where a source's numbers are: coefficients of a far one, unknowns of any other. */
 struct segment {
   size_t at, n;
 };
@@ -182,13 +185,15 @@ INLINE size_t take(const struct rad_h2 *h, enum kind kind, const int *source, si
   return taken;
 }
 
-/* y += A x for the blocks of a target, which follow one another in memory: as one matrix of up to
- * COLUMNS columns at a time, for all vectors while it is in the cache. */
-INLINE void add_blocks(const struct rad_h2 *h, enum kind kind, int target, int n_vector) {
-  const struct rad_block_list *list = kind == FAR ? &h->blocks.far : &h->blocks.near;
-  const struct rad_cluster *t = &h->tree.cluster[target];
-  size_t m = kind == FAR ? (size_t)h->row.rank[target] : (size_t)t->n,
-         last = list->first[target + 1];
+/* y_v [m] += A x_v for the blocks of a target, which follow one another in memory: as one matrix of
+ * up to COLUMNS columns at a time, for all vectors while it is in the cache. */
+INLINE void add_blocks(const struct rad_h2 *h, enum kind kind, int target, size_t m, int n_vector,
+                       double *const *y) {
+  const struct rad_block_list *list = kind == FAR    ? &h->blocks.far
+                                      : kind == NEAR ? &h->blocks.near
+                                                     : &h->blocks.sector;
+  const struct rad_h2_dense *dense = kind == NEAR ? &h->near : &h->sector;
+  size_t last = list->first[target + 1];
   for (size_t b = list->first[target], n; b < last; b += n) {
     n = take(h, kind, list->source + b, last - b);
     for (int v = 0; v < n_vector; v++) {
@@ -196,24 +201,47 @@ INLINE void add_blocks(const struct rad_h2 *h, enum kind kind, int target, int n
       struct slot slot = slot_of(h, v);
       size_t columns = gather(h, kind, list->source + b, n, kind == FAR ? slot.column : slot.u, x);
       if (kind == FAR)
-        add_product(m, columns, h->far + h->far_at[b], x, slot.row + h->row.place[target]);
-      else if (h->near_narrow)
-        add_product_narrow(m, columns, h->near_narrow + h->near_at[b], x, slot.y + t->first);
+        add_product(m, columns, h->far + h->far_at[b], x, y[v]);
+      else if (dense->narrow)
+        add_product_narrow(m, columns, dense->narrow + dense->at[b], x, y[v]);
       else
-        add_product(m, columns, h->near_wide + h->near_at[b], x, slot.y + t->first);
+        add_product(m, columns, dense->wide + dense->at[b], x, y[v]);
     }
   }
 }
 
 static RAD_CLONES void add_far(const struct rad_h2 *h, int target, int n_vector) {
-  add_blocks(h, FAR, target, n_vector);
+  double *y[RAD_MOST_VECTORS];
+  for (int v = 0; v < n_vector; v++)
+    y[v] = slot_of(h, v).row + h->row.place[target];
+  add_blocks(h, FAR, target, (size_t)h->row.rank[target], n_vector, y);
 }
 
 static RAD_CLONES void add_near(const struct rad_h2 *h, int target, int n_vector) {
-  add_blocks(h, NEAR, target, n_vector);
+  const struct rad_cluster *t = &h->tree.cluster[target];
+  double *y[RAD_MOST_VECTORS];
+  for (int v = 0; v < n_vector; v++)
+    y[v] = slot_of(h, v).y + t->first;
+  add_blocks(h, NEAR, target, (size_t)t->n, n_vector, y);
 }
 
-/* A cluster's coefficients to its children, or to the points of a leaf. */
+/* What the places of a sector receive, spread to its points. */
+static RAD_CLONES void add_sector(const struct rad_h2 *h, int target, int n_vector) {
+  const struct rad_cluster *t = &h->tree.cluster[target];
+  size_t m = (size_t)h->place_count[target];
+  double place[RAD_MOST_VECTORS][RAD_MAX_PLACES], *y[RAD_MOST_VECTORS];
+  for (int v = 0; v < n_vector; v++) {
+    y[v] = place[v];
+    memset(y[v], 0, sizeof(double) * m);
+  }
+  add_blocks(h, SECTOR, target, m, n_vector, y);
+  for (int v = 0; v < n_vector; v++)
+    add_product((size_t)t->n, m, h->spread + h->spread_at[target], place[v],
+                slot_of(h, v).y + t->first);
+}
+
+/* A cluster's coefficients to its children, or to the points of a leaf; a sector's places to its
+ * points. */
 static RAD_CLONES void go_down(const struct rad_h2 *h, int c, int n_vector) {
   const struct rad_cluster *cluster = &h->tree.cluster[c];
   const struct rad_h2_side *side = &h->row;
@@ -226,6 +254,8 @@ static RAD_CLONES void go_down(const struct rad_h2 *h, int c, int n_vector) {
     double *to = is_leaf ? slot.y + cluster->first : slot.row + side->place[cluster->child];
     add_product(m, (size_t)side->rank[c], side->data + side->at[c], slot.row + side->place[c], to);
   }
+  if (h->place_count[c])
+    add_sector(h, c, n_vector);
 }
 
 /* The rows of a leaf, which has everything from above: add its near blocks, and done. */

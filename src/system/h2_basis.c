@@ -168,7 +168,8 @@ static int truncate_basis(const struct work *w, int cluster, const double *v,
   const struct rad_cluster *c = &w->tree->cluster[cluster];
   int rows = rad_basis_rows(w->basis, cluster), n = (int)w->n, kept = 0;
   int most = rows < own->n ? rows : own->n;
-  double least = w->goal->cut * sqrt(w->goal->kind == RAD_BASIS_ROW ? c->n : c->area);
+  double least =
+      w->goal->cut * sqrt(w->goal->kind == RAD_BASIS_ROW ? fmin(c->n, w->tree->leaf) : c->area);
   double *m = rad_alloc((size_t)rows * (size_t)own->n, sizeof(double));
   double *u = rad_alloc((size_t)rows * (size_t)most, sizeof(double));
   double *right = rad_alloc((size_t)most * (size_t)own->n, sizeof(double));

@@ -5,11 +5,13 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "system/sector.h"
 
 /* Memory of one thread. */
 struct strip {
   struct rad_near_list list;
   size_t room_value, room_target;
+  int n;                   /* rows */
   int *base;               /* owned [room_target] */
   double (*mu)[2], *value; /* owned [room_target]; owned [room_value] */
 };
@@ -84,76 +86,139 @@ void rad_near_list_free(struct rad_near_list *list) {
   *list = (struct rad_near_list){0};
 }
 
-/* All pieces for rows first .. first + n of a leaf. */
-static void integrate(const struct rad_h2 *h, const struct rad_rules *rules,
-                      const struct rad_cluster *leaf, int first, int n, const struct strip *s,
-                      struct rad_scratch *scratch) {
+/* The rows of a strip: the points of a leaf, or with p the places of a sector; 0 without memory. */
+static int list_rows(const struct rad_h2 *h, const struct rad_interpolation *p, int target,
+                     struct strip *s) {
+  const struct rad_cluster *c = &h->tree.cluster[target];
+  s->n = p ? rad_sector_places(&h->tree, p->q, c) : c->n;
+  size_t room = s->room_target;
+  if (!rad_reserve((void **)&s->base, (size_t)s->n, &room, sizeof(int)) ||
+      !rad_reserve((void **)&s->mu, (size_t)s->n, &s->room_target, sizeof *s->mu))
+    return 0;
+  struct rad_sector sector;
+  if (p)
+    rad_sector_set(&h->tree, c, &sector);
+  for (int i = 0; i < s->n; i++) {
+    int point = h->tree.unknown[c->first + (p ? 0 : i)];
+    s->base[i] = h->mesh->point_base[point];
+    if (p)
+      rad_sector_place(p, &sector, i, s->mu[i]);
+    else
+      memcpy(s->mu[i], h->mesh->point_mu[point], sizeof s->mu[i]);
+  }
+  return 1;
+}
+
+/* All pieces for rows first .. first + n. */
+static void integrate(const struct rad_h2 *h, const struct rad_rules *rules, int triangle,
+                      int first, int n, const struct strip *s, struct rad_scratch *scratch) {
   const struct rad_mesh *mesh = h->mesh;
   const struct rad_near_list *list = &s->list;
-  for (int i = 0; i < n; i++) {
-    int point = h->tree.unknown[leaf->first + first + i];
-    s->base[i] = mesh->point_base[point];
-    memcpy(s->mu[i], mesh->point_mu[point], sizeof s->mu[i]);
-  }
-  struct rad_targets targets = {leaf->triangle, n, s->base, (const double(*)[2])s->mu, NULL};
+  struct rad_targets targets = {triangle, n, s->base + first, (const double(*)[2])s->mu + first,
+                                NULL};
   for (int i = 0, end; i < list->n; i = end) {
     int patch = mesh->element[list->element[i]].patch;
     for (end = i + 1; end < list->n && mesh->element[list->element[end]].patch == patch;)
       end++;
     rad_element_list_block(mesh, rules, &targets, end - i, list->element + i, list->column + i,
-                           s->value + first, leaf->n, scratch);
+                           s->value + first, s->n, scratch);
   }
 }
 
-/* The near blocks of one leaf, which are one matrix of its rows; 0 without memory. */
-static int fill_strip(struct rad_h2 *h, const struct rad_rules *rules, int target, struct strip *s,
+/* The near blocks of one leaf, which are one matrix of its rows, or with p the sector blocks of a
+ * cluster; 0 without memory. */
+static int fill_strip(const struct rad_h2 *h, const struct rad_rules *rules,
+                      const struct rad_interpolation *p, int target, struct strip *s,
                       struct rad_scratch *scratch) {
-  const struct rad_cluster *leaf = &h->tree.cluster[target];
-  const struct rad_block_list *near = &h->blocks.near;
-  size_t from = near->first[target], to = near->first[target + 1];
+  const struct rad_block_list *list = p ? &h->blocks.sector : &h->blocks.near;
+  const struct rad_h2_dense *dense = p ? &h->sector : &h->near;
+  size_t from = list->first[target], to = list->first[target + 1];
   if (from == to)
     return 1;
-  size_t at = h->near_at[from], size = h->near_at[to] - at, room = s->room_target;
-  if (!rad_near_list(&h->tree, near, target, &s->list) ||
+  size_t at = dense->at[from], size = dense->at[to] - at;
+  int triangle = h->tree.cluster[target].triangle;
+  if (!rad_near_list(&h->tree, list, target, &s->list) ||
       !rad_reserve((void **)&s->value, size, &s->room_value, sizeof(double)) ||
-      !rad_reserve((void **)&s->base, RAD_BATCH, &room, sizeof(int)) ||
-      !rad_reserve((void **)&s->mu, RAD_BATCH, &s->room_target, sizeof *s->mu))
+      !list_rows(h, p, target, s))
     return 0;
-  for (int first = 0; first < leaf->n; first += RAD_BATCH) {
-    int rest = leaf->n - first;
-    integrate(h, rules, leaf, first, rest < RAD_BATCH ? rest : RAD_BATCH, s, scratch);
+  for (int first = 0; first < s->n; first += RAD_BATCH) {
+    int rest = s->n - first;
+    integrate(h, rules, triangle, first, rest < RAD_BATCH ? rest : RAD_BATCH, s, scratch);
   }
-  for (size_t i = 0; i < size && h->near_narrow; i++)
-    h->near_narrow[at + i] = (float)s->value[i];
-  if (h->near_wide)
-    memcpy(h->near_wide + at, s->value, sizeof(double) * size);
+  for (size_t i = 0; i < size && dense->narrow; i++)
+    dense->narrow[at + i] = (float)s->value[i];
+  if (dense->wide)
+    memcpy(dense->wide + at, s->value, sizeof(double) * size);
   return 1;
 }
 
-static enum rad_code reserve_blocks(struct rad_h2 *h, int narrow, struct rad_error *e) {
-  const struct rad_block_list *near = &h->blocks.near;
-  size_t total = near->first[h->tree.n_cluster];
-  h->near_at = rad_alloc(total + 1, sizeof(size_t));
-  if (!h->near_at)
+/* Room for the blocks of a list; with p of sectors. */
+static enum rad_code reserve_blocks(const struct rad_h2 *h, const struct rad_interpolation *p,
+                                    int narrow, struct rad_h2_dense *dense, struct rad_error *e) {
+  const struct rad_block_list *list = p ? &h->blocks.sector : &h->blocks.near;
+  size_t total = list->first[h->tree.n_cluster];
+  dense->at = rad_alloc(total + 1, sizeof(size_t));
+  if (!dense->at)
     return rad_fail_memory(e, "the near blocks", 8.0 * (double)total);
-  for (int t = 0; t < h->tree.n_cluster; t++)
-    for (size_t b = near->first[t]; b < near->first[t + 1]; b++) {
-      h->near_at[b] = h->n_near;
-      h->n_near += (size_t)h->tree.cluster[t].n * (size_t)h->tree.cluster[near->source[b]].n;
+  for (int t = 0; t < h->tree.n_cluster; t++) {
+    const struct rad_cluster *c = &h->tree.cluster[t];
+    size_t rows = (size_t)(p ? rad_sector_places(&h->tree, p->q, c) : c->n);
+    for (size_t b = list->first[t]; b < list->first[t + 1]; b++) {
+      dense->at[b] = dense->n;
+      dense->n += rows * (size_t)h->tree.cluster[list->source[b]].n;
     }
-  h->near_at[total] = h->n_near;
+  }
+  dense->at[total] = dense->n;
   if (narrow)
-    h->near_narrow = rad_pages_alloc(sizeof(float) * h->n_near);
+    dense->narrow = rad_pages_alloc(sizeof(float) * dense->n);
   else
-    h->near_wide = rad_pages_alloc(sizeof(double) * h->n_near);
-  return h->near_narrow || h->near_wide
+    dense->wide = rad_pages_alloc(sizeof(double) * dense->n);
+  return dense->narrow || dense->wide
              ? RAD_OK
-             : rad_fail_memory(e, "the near blocks", (narrow ? 4.0 : 8.0) * (double)h->n_near);
+             : rad_fail_memory(e, "the near blocks", (narrow ? 4.0 : 8.0) * (double)dense->n);
+}
+
+/* How the places of sectors spread to their points. */
+static enum rad_code set_spread(struct rad_h2 *h, const struct rad_interpolation *p,
+                                struct rad_error *e) {
+  size_t n = (size_t)h->tree.n_cluster;
+  const size_t *first = h->blocks.sector.first;
+  h->place_count = rad_calloc(n, sizeof(int));
+  h->spread_at = rad_alloc(n, sizeof(size_t));
+  if (!h->place_count || !h->spread_at)
+    return rad_fail_memory(e, "the sectors", 12.0 * (double)n);
+  for (size_t t = 0; t < n; t++) {
+    const struct rad_cluster *c = &h->tree.cluster[t];
+    if (first[t + 1] > first[t])
+      h->place_count[t] = rad_sector_places(&h->tree, p->q, c);
+    h->spread_at[t] = h->n_spread;
+    h->n_spread += (size_t)c->n * (size_t)h->place_count[t];
+  }
+  h->spread = rad_pages_alloc(sizeof(double) * h->n_spread);
+  if (!h->spread)
+    return rad_fail_memory(e, "the sectors", 8.0 * (double)h->n_spread);
+  for (size_t t = 0; t < n; t++)
+    if (h->place_count[t]) {
+      struct rad_sector sector;
+      rad_sector_set(&h->tree, &h->tree.cluster[t], &sector);
+      rad_sector_spread(p, &h->tree, &h->tree.cluster[t], &sector, h->spread + h->spread_at[t]);
+    }
+  return RAD_OK;
+}
+
+static enum rad_code reserve(struct rad_h2 *h, const struct rad_interpolation *p, int narrow,
+                             struct rad_error *e) {
+  enum rad_code code = reserve_blocks(h, NULL, narrow, &h->near, e);
+  if (!code)
+    code = reserve_blocks(h, p, narrow, &h->sector, e);
+  return code ? code : set_spread(h, p, e);
 }
 
 enum rad_code rad_h2_near(struct rad_h2 *h, const struct rad_rules *rules, int narrow,
                           struct rad_error *e) {
-  enum rad_code code = reserve_blocks(h, narrow, e);
+  struct rad_interpolation p;
+  rad_interpolation_init(&p, h->tolerance);
+  enum rad_code code = reserve(h, &p, narrow, e);
   if (code)
     return code;
   int n_thread = omp_get_max_threads(), failed = 0;
@@ -163,10 +228,11 @@ enum rad_code rad_h2_near(struct rad_h2 *h, const struct rad_rules *rules, int n
   rad_progress_begin(progress, "near clusters", h->tree.n_cluster);
   if (scratch && strip) {
 #pragma omp parallel for schedule(dynamic) default(none)                                           \
-    shared(h, rules, strip, scratch, progress) reduction(| : failed)
+    shared(h, rules, p, strip, scratch, progress) reduction(| : failed)
     for (int t = 0; t < h->tree.n_cluster; t++) {
       int me = omp_get_thread_num();
-      failed |= !fill_strip(h, rules, t, &strip[me], &scratch[me]);
+      failed |= !fill_strip(h, rules, NULL, t, &strip[me], &scratch[me]) ||
+                !fill_strip(h, rules, &p, t, &strip[me], &scratch[me]);
       rad_progress_add(progress, 1);
     }
   } else if (scratch) {

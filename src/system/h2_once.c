@@ -52,7 +52,7 @@ enum rad_code rad_once_begin(const struct rad_mesh *mesh, const struct rad_rules
                              double tolerance, struct rad_once *o, struct rad_error *e) {
   *o = (struct rad_once){.mesh = mesh, .rules = rules, .tolerance = fmax(tolerance, 1e-13)};
   rad_interpolation_init(&o->p, PART * o->tolerance);
-  enum rad_code code = rad_h2_divide(mesh, leaf, o->tolerance, &o->tree, &o->blocks, e);
+  enum rad_code code = rad_h2_divide(mesh, leaf, o->tolerance, 0, &o->tree, &o->blocks, e);
   if (code)
     return code;
   size_t n = (size_t)o->tree.n_cluster, total = o->blocks.far.first[n];

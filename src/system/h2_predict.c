@@ -58,7 +58,7 @@ enum rad_code rad_h2_predict(const struct rad_mesh *mesh, double tolerance,
                              struct rad_h2_plan *plan, struct rad_error *e) {
   struct rad_tree tree = {0};
   struct rad_blocks blocks = {0};
-  enum rad_code code = rad_h2_divide(mesh, RAD_LEAF, tolerance, &tree, &blocks, e);
+  enum rad_code code = rad_h2_divide(mesh, RAD_LEAF, tolerance, 1, &tree, &blocks, e);
   size_t n = (size_t)tree.n_cluster;
   unsigned char *has = rad_calloc(2 * n, 1);
   double *rank = rad_alloc(2 * n, sizeof(double)), bases, far;
@@ -66,9 +66,10 @@ enum rad_code rad_h2_predict(const struct rad_mesh *mesh, double tolerance,
     code = rad_fail_memory(e, "the prediction", 18.0 * (double)n);
   if (!code) {
     count(&tree, &blocks, -log10(tolerance), has, rank, &bases, &far);
-    double lists = 12.0 * (double)(blocks.far.first[n] + blocks.near.first[n]);
-    plan->near_entries = blocks.near_entries;
-    plan->bytes = blocks.near_entries * (double)rad_h2_near_size(tolerance) + 8 * (bases + far) +
+    double lists =
+        12.0 * (double)(blocks.far.first[n] + blocks.near.first[n] + blocks.sector.first[n]);
+    plan->near_entries = blocks.near_entries + blocks.sector_entries;
+    plan->bytes = plan->near_entries * (double)rad_h2_near_size(tolerance) + 8 * (bases + far) +
                   lists + 4.0 * mesh->n_point +
                   (double)n * (double)(sizeof(struct rad_cluster) + 48);
     plan->bytes_build = plan->bytes + 16 * bases + 100.0 * mesh->n_point;

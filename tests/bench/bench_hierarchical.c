@@ -87,13 +87,16 @@ static void print_build(const struct rad_h2 *h, const struct rad_h2_plan *plan, 
          build, h->seconds_blocks, h->seconds_bases, h->seconds_far, h->seconds_near);
   printf("check                      %10.3f s: error %.2e of a row sum\n", h->seconds_check,
          h->error);
-  printf("memory                     %10.1f MB: bases %.1f, far %.1f, near %.1f; predicted %.1f\n",
-         h->bytes * 1e-6, 8e-6 * (double)(h->row.n_data + h->column.n_data),
-         8e-6 * (double)h->n_far, (h->near_narrow ? 4e-6 : 8e-6) * (double)h->n_near,
-         plan->bytes * 1e-6);
-  printf("blocks                     %10zu far of mean rank %.1f, %zu near\n",
+  double size = h->near.narrow ? 4e-6 : 8e-6;
+  printf(
+      "memory                     %10.1f MB: bases %.1f, far %.1f, near %.1f, sectors %.1f; "
+      "predicted %.1f\n",
+      h->bytes * 1e-6, 8e-6 * (double)(h->row.n_data + h->column.n_data), 8e-6 * (double)h->n_far,
+      size * (double)h->near.n, size * (double)h->sector.n + 8e-6 * (double)h->n_spread,
+      plan->bytes * 1e-6);
+  printf("blocks                     %10zu far of mean rank %.1f, %zu near, %zu of sectors\n",
          h->blocks.far.first[h->tree.n_cluster], h->mean_rank,
-         h->blocks.near.first[h->tree.n_cluster]);
+         h->blocks.near.first[h->tree.n_cluster], h->blocks.sector.first[h->tree.n_cluster]);
 }
 
 static void solve(const struct rad_h2 *h) {

@@ -72,6 +72,13 @@ static void box_scene(struct deck_text *d) {
   }
 }
 
+/* S1 with a plate before its vertex, which shades some of the fans there. */
+static void plate_scene(struct deck_text *d) {
+  static const double plate[3][3] = {{0.03, 0.02, 0.02}, {0.02, 0.05, 0.04}, {0.3, 0.2, 0.4}};
+  corner_scene(d);
+  deck_polygon(d, "plate", 3, plate, 0.3, 0);
+}
+
 struct problem {
   const char *name;
   void (*scene)(struct deck_text *);
@@ -94,7 +101,13 @@ static const struct problem problems[] = {
     {"horizon", horizon_scene, "mesh: paper, elements: 6, degree: 1", 1e-6},
     {"shadow", shadow_scene, "mesh: uniform, elements: 12, degree: 1", 1e-5},
     {"box in a room", box_scene, "mesh: uniform, elements: 14, degree: 0", 1e-4},
+    {"S1, P(6,2), degree 1", corner_scene, "mesh: paper, elements: 6, grading: 2", 1e-7},
+    {"S2, P(9,2), degree 0", wedge_scene, "mesh: paper, elements: 9, grading: 2, degree: 0", 1e-5},
+    {"S2, P(4,2), degree 2", wedge_scene, "mesh: paper, elements: 4, grading: 2, degree: 2", 1e-8},
+    {"S1 with a plate, P(5,2)", plate_scene, "mesh: paper, elements: 5, grading: 2, angle: duffy",
+     1e-6},
 };
+enum { FANS = 13 }; /* from this one on there are sector blocks */
 enum { N_PROBLEM = sizeof problems / sizeof *problems };
 
 /* Scene, mesh and rules; quadrature is ten times finer than the compression. */
@@ -168,9 +181,12 @@ START_TEST(products) {
   for (int i = 0; i < N_VECTOR * n; i++)
     worst = fmax(worst, fabs(y[i] - exact[i]));
   if (getenv("POLYRAD_TEST_VERBOSE"))
-    printf("%-24s n %5d: error %.2g of the tolerance, estimate %.2g; %.3g of dense; far %zu\n",
-           p->name, n, worst / p->tolerance, c.h2.error / p->tolerance, c.h2.bytes / (8.0 * n * n),
-           c.h2.blocks.far.first[c.h2.tree.n_cluster]);
+    printf(
+        "%-24s n %5d: error %.2g of the tolerance, estimate %.2g; %.3g of dense; far %zu, "
+        "sectors %zu\n",
+        p->name, n, worst / p->tolerance, c.h2.error / p->tolerance, c.h2.bytes / (8.0 * n * n),
+        c.h2.blocks.far.first[c.h2.tree.n_cluster], c.h2.blocks.sector.first[c.h2.tree.n_cluster]);
+  ck_assert_int_eq(c.h2.blocks.sector.first[c.h2.tree.n_cluster] > 0, _i >= FANS);
   ck_assert_msg(worst <= 2 * p->tolerance, "%s: error %g, seed %u", p->name, worst, seed);
   ck_assert_msg(c.h2.error <= 2 * p->tolerance, "%s: estimate %g", p->name, c.h2.error);
   ck_assert_msg(worst <= 10 * c.h2.error, "%s: error %g, estimate %g", p->name, worst, c.h2.error);
@@ -178,6 +194,77 @@ START_TEST(products) {
   ck_assert_int_eq(rad_h2_predict(c.mesh, p->tolerance, &plan, &e), RAD_OK);
   ck_assert_msg(plan.bytes < 1.5 * c.h2.bytes && c.h2.bytes < 1.5 * plan.bytes,
                 "%s: predicted %g bytes, has %g", p->name, plan.bytes, c.h2.bytes);
+  free(z);
+  free(exact);
+  free(y);
+  rad_case_free(&c);
+}
+END_TEST
+
+/* y [N_VECTOR] += K z of rows first .. first + n of a triangle, the rows integrated anew. */
+static void add_rows(const struct rad_case *c, int triangle, int first, int n, const double *z,
+                     double *y, struct rad_scratch *scratch) {
+  const struct rad_mesh *mesh = c->mesh;
+  struct rad_targets targets = {triangle, n, mesh->point_base + first,
+                                (const double(*)[2])mesh->point_mu + first, NULL};
+  for (int p = 0; p < mesh->n_patch; p++) {
+    int from = mesh->element[mesh->element_first[p]].first;
+    int to =
+        p + 1 < mesh->n_patch ? mesh->element[mesh->element_first[p + 1]].first : mesh->n_point;
+    if (!mesh->scene->visibility
+             ->sight[triangle * mesh->scene->n_triangle + mesh->patch[p].triangle])
+      continue;
+    double *k = malloc(sizeof *k * (size_t)n * (size_t)(to - from));
+    rad_patch_block(mesh, &c->rules, &targets, p, NULL, k - (ptrdiff_t)n * from, n, scratch);
+    for (int v = 0; v < N_VECTOR; v++)
+      for (int j = from; j < to; j++)
+        for (int i = 0; i < n; i++)
+          y[v * mesh->n_point + first + i] +=
+              k[(ptrdiff_t)n * (j - from) + i] * z[v * mesh->n_point + j];
+    free(k);
+  }
+}
+
+/* K z in every row, without a dense matrix. */
+static void multiply_rows(const struct rad_case *c, const double *z, double *y) {
+  const struct rad_mesh *mesh = c->mesh;
+#pragma omp parallel default(none) shared(c, z, y, mesh)
+  {
+    struct rad_scratch scratch;
+    struct rad_error e;
+    rad_scratch_init(mesh, &scratch, &e);
+    for (int t = 0; t < mesh->scene->n_triangle; t++)
+#pragma omp for schedule(dynamic) nowait
+      for (int first = mesh->point_first[t]; first < mesh->point_first[t + 1]; first += RAD_BATCH) {
+        int rest = mesh->point_first[t + 1] - first;
+        add_rows(c, t, first, rest < RAD_BATCH ? rest : RAD_BATCH, z, y, &scratch);
+      }
+    rad_scratch_free(&scratch);
+  }
+}
+
+/* The paper's P(8,2): K_H z within the tolerance in all 16 272 rows. */
+START_TEST(thin_elements) {
+  static const double tolerance[] = {1e-4, 1e-6, 1e-8, 1e-10};
+  const struct problem p = {"S1, P(8,2), degree 1", corner_scene,
+                            "mesh: paper, elements: 8, grading: 2", tolerance[_i]};
+  struct rad_case c;
+  prepare(&p, &c);
+  compress(&c, p.tolerance);
+  int n = c.mesh->n_point;
+  ck_assert_int_eq(n, 16272);
+  double *z = make_vectors(c.mesh), *exact = calloc(N_VECTOR * (size_t)n, sizeof *z);
+  double *y = malloc(sizeof *z * N_VECTOR * (size_t)n), *in[N_VECTOR], *out[N_VECTOR], worst = 0;
+  multiply_rows(&c, z, exact);
+  pointers(z, n, in);
+  pointers(y, n, out);
+  rad_h2_apply(&c.h2, N_VECTOR, (const double *const *)in, out);
+  for (int i = 0; i < N_VECTOR * n; i++)
+    worst = fmax(worst, fabs(y[i] - exact[i]));
+  if (getenv("POLYRAD_TEST_VERBOSE"))
+    printf("%s: error %.2g of %g, %.1f MB\n", p.name, worst / p.tolerance, p.tolerance,
+           c.h2.bytes * 1e-6);
+  ck_assert_msg(worst <= p.tolerance, "error %g, tolerance %g, seed %u", worst, p.tolerance, seed);
   free(z);
   free(exact);
   free(y);
@@ -275,7 +362,7 @@ END_TEST
 
 /* Built and applied by 1, 2 and 7 threads; one vector alone or in company. */
 START_TEST(same_bits) {
-  static const int which[] = {0, 11}, threads[] = {1, 2, 7};
+  static const int which[] = {0, 11, FANS}, threads[] = {1, 2, 7};
   const struct problem *p = &problems[which[_i]];
   struct rad_case c[3];
   double *y[3], *z = NULL, *out[N_VECTOR], *in[N_VECTOR];
@@ -300,7 +387,10 @@ START_TEST(same_bits) {
     ck_assert_int_eq(memcmp(a->far, b->far, sizeof(double) * a->n_far), 0);
     ck_assert_int_eq(memcmp(a->row.data, b->row.data, sizeof(double) * a->row.n_data), 0);
     ck_assert_int_eq(memcmp(a->column.data, b->column.data, sizeof(double) * a->column.n_data), 0);
-    ck_assert_int_eq(memcmp(a->near_narrow, b->near_narrow, sizeof(float) * a->n_near), 0);
+    ck_assert_int_eq(memcmp(a->near.narrow, b->near.narrow, sizeof(float) * a->near.n), 0);
+    ck_assert_uint_eq(a->sector.n, b->sector.n);
+    ck_assert_int_eq(memcmp(a->sector.narrow, b->sector.narrow, sizeof(float) * a->sector.n), 0);
+    ck_assert_int_eq(memcmp(a->spread, b->spread, sizeof(double) * a->n_spread), 0);
     ck_assert_int_eq(memcmp(y[0], y[t], sizeof(double) * N_VECTOR * n), 0);
   }
   for (int t = 0; t < 3; t++) {
@@ -315,13 +405,14 @@ END_TEST
  * their entries, with those of hidden pairs, is n^2 for a scene without shadows or cuts. */
 START_TEST(blocks_cover) {
   struct rad_case c;
-  prepare(&problems[0], &c);
+  prepare(&problems[_i ? FANS : 0], &c);
   compress(&c, 1e-6);
   const struct rad_h2 *h = &c.h2;
+  const struct rad_block_list *lists[] = {&h->blocks.far, &h->blocks.near, &h->blocks.sector};
   double entries = 0, seen = 0;
   for (int t = 0; t < h->tree.n_cluster; t++)
-    for (int kind = 0; kind < 2; kind++) {
-      const struct rad_block_list *list = kind ? &h->blocks.near : &h->blocks.far;
+    for (int kind = 0; kind < 3; kind++) {
+      const struct rad_block_list *list = lists[kind];
       for (size_t b = list->first[t]; b < list->first[t + 1]; b++)
         entries += (double)h->tree.cluster[t].n * h->tree.cluster[list->source[b]].n;
     }
@@ -367,8 +458,9 @@ int main(void) {
   tcase_add_loop_test(c, products, 0, N_PROBLEM);
   tcase_add_loop_test(c, solutions, 0, 6);
   tcase_add_loop_test(c, sizes_and_tolerances, 0, sizeof sizes / sizeof *sizes);
-  tcase_add_loop_test(c, same_bits, 0, 2);
-  tcase_add_test(c, blocks_cover);
+  tcase_add_loop_test(c, same_bits, 0, 3);
+  tcase_add_loop_test(c, thin_elements, 0, 4);
+  tcase_add_loop_test(c, blocks_cover, 0, 2);
   tcase_add_test(c, deck_switch);
   suite_add_tcase(s, c);
   return run_suite(s);
