@@ -14,8 +14,14 @@ struct rad_command {
   const char *set[RAD_MAX_SET];
   int threads; /* 0: OMP_NUM_THREADS decides */
   int quiet;
-  const char *line; /* the command as typed, for provenance */
-  FILE *out, *log;  /* summary; messages */
+  int n_file;
+  const char **file;             /* owned [n_file] as named; deck is the first */
+  int collects;                  /* study --collect: the files are those of tasks */
+  int task, n_task;              /* study --task I/N; 0: all runs in one */
+  int lists;                     /* study --tasks: only name their files */
+  struct rad_study_task *within; /* run: the task of a study that it is, or NULL */
+  const char *line;              /* the command as typed, for provenance */
+  FILE *out, *log;               /* summary; messages */
 };
 
 /* Each verb prints its summary to out, its warnings to log, and leaves its error in e. */

@@ -5,6 +5,8 @@
 
 #include "base/memory.h"
 
+const char *const rad_grid_name[] = {"closed", "crowded"};
+
 static int side_of(enum rad_grid grid) {
   return grid == RAD_GRID_CLOSED ? RAD_GRID : RAD_CROWD;
 }

@@ -11,6 +11,7 @@ enum { RAD_GRID = 100, RAD_CROWD = 24 };
 /* Where solutions are compared: the paper's closed grid of u_h, or, as soon as adaptive runs take
  * part, a grid of phi, r = 1e-6 .. 1 in equal ratios, where adaptive runs report u*. */
 enum rad_grid { RAD_GRID_CLOSED, RAD_GRID_CROWDED };
+extern const char *const rad_grid_name[];
 
 /* Number of values: triangles x 6 sub-triangles x points x bands. */
 size_t rad_grid_size(const struct rad_scene *scene, enum rad_grid grid);

@@ -14,6 +14,8 @@ static const char usage[] =
     "  polyrad run DECK   [-o FILE] [--set KEY=VALUE]... [--threads N] [--quiet]\n"
     "  polyrad check DECK [--set KEY=VALUE]... [--threads N]\n"
     "  polyrad study DECK [-o FILE] [--set KEY=VALUE]... [--threads N] [--quiet]\n"
+    "                     [--tasks | --task I/N]\n"
+    "  polyrad study --collect FILE... [-o FILE] [--quiet]\n"
     "  polyrad info FILE\n"
     "  polyrad --help | --version\n"
     "\n"
@@ -26,6 +28,9 @@ static const char usage[] =
     "  --set KEY=VALUE  override one key of the deck, for example method.elements=8\n"
     "  --threads N      OpenMP threads (default: OMP_NUM_THREADS, then all cores)\n"
     "  --quiet          no summary\n"
+    "  --tasks          only name the result files of the study's runs, one a line\n"
+    "  --task I/N       only the I-th of the study's N runs, into a result file of its own\n"
+    "  --collect        the table from the result files of all tasks\n"
     "\n"
     "Exit codes: 0 done, 1 not converged or singular, 2 deck or usage, 3 file, memory or device.\n";
 
@@ -64,10 +69,39 @@ static enum rad_code parse_threads(const char *text, int *threads, struct rad_er
   return RAD_OK;
 }
 
+/* I/N, as in --task 2/5. */
+static enum rad_code parse_task(const char *text, struct rad_command *c, struct rad_error *e) {
+  char rest;
+  if (!text || sscanf(text, "%d/%d%c", &c->task, &c->n_task, &rest) != 2 || c->task < 1 ||
+      c->task > c->n_task)
+    return rad_fail(e, RAD_EINPUT, "error: --task needs I/N, for example 2/5, got '%s'",
+                    text ? text : "nothing");
+  return RAD_OK;
+}
+
+/* Options that only polyrad study has; *known is 0 for others. */
+static enum rad_code parse_study_word(int argc, char **argv, int *i, struct rad_command *c,
+                                      int *known, struct rad_error *e) {
+  *known = !strcmp(c->verb, "study");
+  if (*known && !strcmp(argv[*i], "--tasks"))
+    c->lists = 1;
+  else if (*known && !strcmp(argv[*i], "--collect"))
+    c->collects = 1;
+  else if (*known && is_option(argv[*i], "--task"))
+    return parse_task(value_of(argc, argv, i, 6), c, e);
+  else
+    *known = 0;
+  return RAD_OK;
+}
+
 /* One word of the command line after the verb. */
 static enum rad_code parse_word(int argc, char **argv, int *i, struct rad_command *c,
                                 struct rad_error *e) {
   const char *word = argv[*i];
+  int known;
+  enum rad_code code = parse_study_word(argc, argv, i, c, &known, e);
+  if (known)
+    return code;
   if (!strcmp(word, "--quiet")) {
     c->quiet = 1;
   } else if (is_option(word, "-o")) {
@@ -85,11 +119,8 @@ static enum rad_code parse_word(int argc, char **argv, int *i, struct rad_comman
     return parse_threads(value_of(argc, argv, i, 9), &c->threads, e);
   } else if (word[0] == '-' && word[1]) {
     return rad_fail(e, RAD_EINPUT, "error: unknown option '%s'; polyrad --help lists them", word);
-  } else if (c->deck) {
-    return rad_fail(e, RAD_EINPUT, "error: one file at a time, but got '%s' and '%s'", c->deck,
-                    word);
   } else {
-    c->deck = word;
+    c->file[c->n_file++] = word;
   }
   return RAD_OK;
 }
@@ -115,25 +146,41 @@ static int print_version(void) {
   return RAD_OK;
 }
 
+/* Files that are named without an option: one, but any number of tasks to collect. */
+static enum rad_code check_files(const struct verb *verb, struct rad_command *c,
+                                 struct rad_error *e) {
+  if (!c->n_file)
+    return rad_fail(e, RAD_EINPUT, "error: polyrad %s needs a %s; polyrad --help shows how",
+                    verb->name, c->collects ? "FILE after --collect" : verb->operand);
+  if (c->n_file > 1 && !c->collects)
+    return rad_fail(e, RAD_EINPUT, "error: one file at a time, but got '%s' and '%s'", c->file[0],
+                    c->file[1]);
+  c->deck = c->file[0];
+  return RAD_OK;
+}
+
 static enum rad_code run_verb(const struct verb *verb, int argc, char **argv, struct rad_error *e) {
   struct rad_command c = {.verb = verb->name, .out = stdout, .log = stderr};
-  for (int i = 2; i < argc; i++) {
-    if (!strcmp(argv[i], "--help") || !strcmp(argv[i], "-h")) {
-      fputs(usage, stdout);
-      return RAD_OK;
-    }
-    enum rad_code code = parse_word(argc, argv, &i, &c, e);
-    if (code)
-      return code;
-  }
-  if (!c.deck)
-    return rad_fail(e, RAD_EINPUT, "error: polyrad %s needs a %s; polyrad --help shows how",
-                    verb->name, verb->operand);
-  if (c.threads)
-    omp_set_num_threads(c.threads);
   char *line = join(argc, argv);
-  c.line = line ? line : "";
-  enum rad_code code = verb->function(&c, e);
+  enum rad_code code = RAD_OK;
+  int asks_help = 0;
+  c.file = calloc((size_t)argc, sizeof *c.file);
+  if (!line || !c.file)
+    code = rad_fail(e, RAD_ESYSTEM, "error: out of memory for the command line");
+  for (int i = 2; i < argc && !code && !asks_help; i++) {
+    asks_help = !strcmp(argv[i], "--help") || !strcmp(argv[i], "-h");
+    if (!asks_help)
+      code = parse_word(argc, argv, &i, &c, e);
+  }
+  if (asks_help && !code)
+    fputs(usage, stdout);
+  else if (!code && !(code = check_files(verb, &c, e))) {
+    if (c.threads)
+      omp_set_num_threads(c.threads);
+    c.line = line;
+    code = verb->function(&c, e);
+  }
+  free(c.file);
   free(line);
   return code;
 }

@@ -6,6 +6,7 @@
 
 #include "app/case.h"
 #include "app/command.h"
+#include "app/study.h"
 #include "base/memory.h"
 #include "output/stamp.h"
 #include "output/thermal.h"
@@ -255,9 +256,12 @@ static enum rad_code output(const struct rad_case *c, const struct rad_command *
   const char *path = command->output ? command->output : c->deck.output.file;
   struct rad_result result = {0};
   enum rad_code code = rad_case_result(c, command->line, &result, e);
+  result.task = command->within ? &command->within->task : NULL;
   rad_progress_phase(c->scene.progress, "writing");
   if (!code)
     code = rad_result_write(path, &result, started, e);
+  if (!code && command->within)
+    command->within->is_written = 1;
   rad_progress_clear(c->scene.progress);
   if (!code)
     warn_view_factors(c, &result.view_factors, command->log);
@@ -291,6 +295,9 @@ enum rad_code rad_app_run(const struct rad_command *command, struct rad_error *e
     code = rad_case_solve(&c, e);
     rad_progress_clear(progress);
   }
+  if (!code && command->within)
+    code = rad_study_take(&c, command->within->grid, rad_stamp_now() - started,
+                          &command->within->task.run, e);
   if (!code) {
     warn(&c, command->log);
     code = output(&c, command, started, e);

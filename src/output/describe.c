@@ -129,6 +129,22 @@ static void say_view_factors(FILE *out, hid_t root) {
   H5Gclose(at);
 }
 
+/* task 2 of 5: method.elements = 4 */
+static void say_task(FILE *out, hid_t root) {
+  const hid_t at = rad_hdf_has(root, "task") ? H5Gopen2(root, "task", H5P_DEFAULT) : -1;
+  if (at < 0)
+    return;
+  int n_key = 0, n_set = 0;
+  char **key = rad_hdf_read_texts(at, "key", &n_key), **set = rad_hdf_read_texts(at, "set", &n_set);
+  fprintf(out, "\ntask %.0f of %.0f of a study%s:\n", rad_hdf_get_number(at, "number"),
+          rad_hdf_get_number(at, "tasks"), rad_hdf_has(at, "value") ? "" : ", without a solution");
+  for (int k = 0; key && set && k < n_key && k < n_set; k++)
+    fprintf(out, "  %-22s %s\n", key[k], set[k]);
+  rad_hdf_texts_free(key, n_key);
+  rad_hdf_texts_free(set, n_set);
+  H5Gclose(at);
+}
+
 static void say_study(FILE *out, hid_t root) {
   if (!rad_hdf_has(root, "study"))
     return;
@@ -202,78 +218,43 @@ static void say_all(FILE *out, const char *path, hid_t file, hid_t root) {
                                         "mean_net_flux", "net_power",      "temperature"};
   static const char *const probe[] = {"position", "radiosity", "irradiance", "net_flux",
                                       "temperature"};
-  fprintf(out, "%s: polyrad %s\n", path, rad_hdf_has(root, "study") ? "study" : "result");
+  fprintf(out, "%s: polyrad %s\n", path,
+          rad_hdf_has(root, "study")  ? "study"
+          : rad_hdf_has(root, "task") ? "result, task of a study"
+                                      : "result");
   say_origin(out, root);
   say_list(out, root, "surfaces", 6, surface);
   say_list(out, root, "probes", 5, probe);
   say_view_factors(out, root);
   say_diagnostics(out, root);
+  say_task(out, root);
   say_study(out, root);
   say_members(out, file);
 }
 
-/* Open /polyrad and see that this program wrote it. */
-static hid_t open_root(hid_t file) {
-  const hid_t root = rad_hdf_has(file, "polyrad") ? H5Gopen2(file, "polyrad", H5P_DEFAULT) : -1;
-  char *version = root >= 0 ? rad_hdf_get_text(root, "version") : NULL;
-  const bool ours = version != NULL;
-  free(version);
-  if (root >= 0 && !ours)
-    H5Gclose(root);
-  return ours ? root : H5I_INVALID_HID;
-}
-
-static enum rad_code describe(const char *path, hid_t file, char **text, struct rad_error *e) {
-  const hid_t root = open_root(file);
-  if (root < 0)
-    return rad_fail(e, RAD_ESYSTEM,
-                    "%s is an HDF5 file but not from polyrad (no /polyrad with a version); name a "
-                    "file that `polyrad run` or `polyrad study` wrote",
-                    path);
+static enum rad_code describe(const char *path, hid_t file, hid_t root, char **text,
+                              struct rad_error *e) {
   size_t size = 0;
   FILE *out = open_memstream(text, &size);
   if (out)
     say_all(out, path, file, root);
-  H5Gclose(root);
-  if (!out || fclose(out) != 0) {
-    free(*text);
-    *text = NULL;
-    return rad_fail_memory(e, "the description of a file", (double)size);
-  }
-  return RAD_OK;
-}
-
-/* HDF5 says "unable to open file" for everything; the system and the first bytes say more. */
-static enum rad_code refuse(const char *path, struct rad_error *e) {
-  static const char signature[8] = "\211HDF\r\n\032\n";
-  char first[8] = "", message[160];
-  rad_hdf_message(sizeof message, message);
-  FILE *f = fopen(path, "rb");
-  if (!f)
-    return rad_fail(e, RAD_ESYSTEM, "cannot read %s: %m; check the name and its permissions", path);
-  const size_t n = fread(first, 1, sizeof first, f);
-  const bool readable = !ferror(f);
-  fclose(f);
-  if (!readable)
-    return rad_fail(e, RAD_ESYSTEM, "cannot read %s: %m; name a file that `polyrad run` wrote",
-                    path);
-  if (n < sizeof first || memcmp(first, signature, sizeof first) != 0)
-    return rad_fail(e, RAD_ESYSTEM,
-                    "%s is not a polyrad result file (it is not HDF5); name a file that `polyrad "
-                    "run` or `polyrad study` wrote",
-                    path);
-  return rad_fail(e, RAD_ESYSTEM, "cannot read %s: damaged or in use (HDF5: %s); run polyrad again",
-                  path, message);
+  if (out && fclose(out) == 0)
+    return RAD_OK;
+  free(*text);
+  *text = NULL;
+  return rad_fail_memory(e, "the description of a file", (double)size);
 }
 
 enum rad_code rad_result_describe(const char *path, char **text, struct rad_error *e) {
   struct rad_hdf_silence silence;
+  hid_t file, root;
   *text = NULL;
   rad_hdf_silence_begin(&silence);
-  const hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
-  const enum rad_code code = file < 0 ? refuse(path, e) : describe(path, file, text, e);
-  if (file >= 0)
-    H5Fclose(file);
+  enum rad_code code = rad_hdf_open(path, &file, &root, e);
+  if (!code) {
+    code = describe(path, file, root, text, e);
+    rad_hdf_close(file, root);
+  }
   rad_hdf_silence_end(&silence);
   return code;
 }

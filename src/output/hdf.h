@@ -91,11 +91,20 @@ void rad_hdf_set_integer(struct rad_hdf *h, hid_t object, const char *name, int6
 void rad_hdf_set_integers(struct rad_hdf *h, hid_t object, const char *name, size_t n,
                           const int64_t *value);
 
+/**
+ * Open a file that this program wrote, and its /polyrad; between rad_hdf_silence_begin and _end.
+ *
+ * @return RAD_OK, or RAD_ESYSTEM: cannot be read, not HDF5, not from polyrad, damaged
+ */
+enum rad_code rad_hdf_open(const char *path, hid_t *file, hid_t *root, struct rad_error *e);
+void rad_hdf_close(hid_t file, hid_t root);
+
 /* Reading: what is asked for by name is a member or attribute of the open object `at`. */
 bool rad_hdf_has(hid_t at, const char *name); /* member */
 char *
 rad_hdf_get_text(hid_t at,
                  const char *name); /* attribute; owned, or NULL; lists are joined by commas */
+char **rad_hdf_get_texts(hid_t at, const char *name, int *n);  /* attribute; owned [n], or NULL */
 double rad_hdf_get_number(hid_t at, const char *name);         /* attribute; or NAN */
 char **rad_hdf_read_texts(hid_t at, const char *name, int *n); /* dataset; owned [n], or NULL */
 void rad_hdf_texts_free(char **text, int n);                   /* NULL is fine */

@@ -41,21 +41,44 @@ static char *join(char *const *part, hssize_t n) {
   return text;
 }
 
-char *rad_hdf_get_text(hid_t at, const char *name) {
-  hssize_t n;
-  const hid_t attribute = open_attribute(at, name, true, &n);
+/* Copies, because texts that HDF5 allocated are freed together and by HDF5. */
+static char **copy_texts(char *const *lent, int n) {
+  char **text = rad_calloc((size_t)n, sizeof *text);
+  for (int i = 0; text && i < n; i++) {
+    text[i] = strdup(lent[i] ? lent[i] : "");
+    if (!text[i]) {
+      rad_hdf_texts_free(text, n);
+      text = NULL;
+    }
+  }
+  return text;
+}
+
+char **rad_hdf_get_texts(hid_t at, const char *name, int *n) {
+  hssize_t count;
+  const hid_t attribute = open_attribute(at, name, true, &count);
   if (attribute < 0)
     return NULL;
   const hid_t type = H5Aget_type(attribute), space = H5Aget_space(attribute);
-  char *text = NULL, **lent = rad_calloc((size_t)n, sizeof *lent);
+  char **text = NULL, **lent = count < 1 << 30 ? rad_calloc((size_t)count, sizeof *lent) : NULL;
   if (lent && H5Aread(attribute, type, lent) >= 0) {
-    text = join(lent, n);
+    *n = (int)count;
+    text = copy_texts(lent, *n);
     H5Dvlen_reclaim(type, space, H5P_DEFAULT, lent);
   }
   free(lent);
   H5Sclose(space);
   H5Tclose(type);
   H5Aclose(attribute);
+  return text;
+}
+
+char *rad_hdf_get_text(hid_t at, const char *name) {
+  int n;
+  char **part = rad_hdf_get_texts(at, name, &n);
+  char *text = part ? join(part, n) : NULL;
+  if (part)
+    rad_hdf_texts_free(part, n);
   return text;
 }
 
@@ -105,19 +128,6 @@ double *rad_hdf_read_numbers(hid_t at, const char *name, hsize_t shape[RAD_HDF_M
   H5Tclose(type);
   H5Dclose(dataset);
   return value;
-}
-
-/* Copies, because texts that HDF5 allocated are freed together and by HDF5. */
-static char **copy_texts(char *const *lent, int n) {
-  char **text = rad_calloc((size_t)n, sizeof *text);
-  for (int i = 0; text && i < n; i++) {
-    text[i] = strdup(lent[i] ? lent[i] : "");
-    if (!text[i]) {
-      rad_hdf_texts_free(text, n);
-      text = NULL;
-    }
-  }
-  return text;
 }
 
 char **rad_hdf_read_texts(hid_t at, const char *name, int *n) {

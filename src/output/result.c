@@ -365,6 +365,8 @@ enum rad_code rad_result_write(const char *path, struct rad_result *result, doub
   write_solution(&h, root, result);
   write_probes(&h, root, result);
   write_view_factors(&h, root, &result->view_factors);
+  if (result->task)
+    rad_task_put(&h, root, result->task);
 
   struct rad_diagnostics *const d = &result->diagnostics;
   d->seconds_output = rad_seconds() - begin;

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "estimate/view_factors.h"
+#include "output/task.h"
 #include "scene/scene.h"
 
 /* Cells for pictures: quadrilaterals and triangles with their own corner points (fields may jump);
@@ -63,6 +64,7 @@ struct rad_result {
   double *probe_temperature;                     /* owned [n_probe] [K]; the same */
   struct rad_view_factors view_factors;          /* owned; matrix is NULL: not asked for */
   struct rad_diagnostics diagnostics;
+  const struct rad_task *task; /* borrowed; of a study this is a run of, or NULL */
 };
 
 void rad_result_free(struct rad_result *result); /* frees what it owns; safe twice */

@@ -17,6 +17,7 @@ struct rad_visibility {
  * Find out, and give it to the scene, which keeps a pointer to v: v must not move.
  *
  * @param[out] v  to be freed with rad_visibility_free, also after an error
+ * @return RAD_OK, or RAD_ESYSTEM: the memory for n_triangle^2 bytes is not there, said at once
  * Cost and memory n_triangle^2, in parallel.
  */
 enum rad_code rad_visibility_build(struct rad_scene *scene, struct rad_visibility *v,

@@ -100,6 +100,8 @@ def limit_memory(size):
 
 
 class Case(unittest.TestCase):
+    seconds = SECONDS
+
     def setUp(self):
         self.folder = tempfile.mkdtemp(prefix="polyrad_cli_")
         self.addCleanup(shutil.rmtree, self.folder)
@@ -122,8 +124,8 @@ class Case(unittest.TestCase):
     def call(self, *words, **more):
         env = dict(os.environ, LC_ALL="C", OMP_NUM_THREADS="2")
         return subprocess.run([PROGRAM, *words], cwd=self.folder, env=env, text=True,
-                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=SECONDS,
-                              **more)
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                              timeout=self.seconds, **more)
 
     def done(self, *words, **more):
         """The program does what it was told, without a word on stderr."""
