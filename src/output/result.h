@@ -9,14 +9,14 @@
 #include "output/task.h"
 #include "scene/scene.h"
 
-/* Cells for pictures: quadrilaterals and triangles with their own corner points (fields may jump);
+/* Cells for pictures: quadrilaterals and triangles with their own points (fields may jump);
  * cells that share a point are of one triangle. With n_cell = 0 every pointer may be NULL. */
 struct rad_picture {
   int64_t n_point, n_cell;
   double *point;         /* owned [n_point, 3] [m] */
   int64_t *connectivity; /* owned [offset[n_cell]] */
   int64_t *offset;       /* owned [n_cell + 1] */
-  unsigned char *type;   /* owned [n_cell] VTK cell types: 5 triangle, 9 quadrilateral */
+  unsigned char *type;   /* owned [n_cell] VTK cell types: 5, 9, or 70 Lagrange quadrilateral */
   int *triangle;         /* owned [n_cell] scene triangle */
   double *radiosity;     /* owned [n_point, n_band] [W/m2]; NULL: left out */
   double *irradiance;    /* owned [n_point, n_band] [W/m2]; NULL: left out */

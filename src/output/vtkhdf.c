@@ -90,7 +90,7 @@ static int scenery_make(const struct rad_scene *scene, const struct rad_picture 
   return 1;
 }
 
-/* mean: [n_cell, n_band] of point values over the corners of each cell */
+/* mean: [n_cell, n_band] of point values over the points of each cell */
 static void average(const struct rad_picture *p, int n_band, const double *value, double *mean) {
   for (int64_t c = 0; c < p->n_cell; c++)
     for (int k = 0; k < n_band; k++) {
@@ -195,14 +195,14 @@ static void write_cell_data(struct rad_hdf *h, hid_t root, const struct rad_resu
     const char *name, *unit, *description;
     const double *value;
   } field[] = {
-      {"radiosity", "W/m2", "radiosity u, mean over the corners",
+      {"radiosity", "W/m2", "radiosity u, mean over the points",
        shown(r, RAD_FIELD_RADIOSITY, p->radiosity)},
-      {"irradiance", "W/m2", "irradiance, mean over the corners",
+      {"irradiance", "W/m2", "irradiance, mean over the points",
        shown(r, RAD_FIELD_IRRADIANCE, p->irradiance)},
-      {"emission", "W/m2", "emitted radiosity E, mean over the corners", s->emission},
-      {"net_flux", "W/m2", "net heat flux u - h, mean over the corners",
+      {"emission", "W/m2", "emitted radiosity E, mean over the points", s->emission},
+      {"net_flux", "W/m2", "net heat flux u - h, mean over the points",
        shown_heat(r, RAD_FIELD_NET_FLUX, s->flux)},
-      {"temperature", "K", "temperature, mean over the corners",
+      {"temperature", "K", "temperature, mean over the points",
        shown_heat(r, RAD_FIELD_TEMPERATURE, s->temperature)},
   };
   double *const cell = rad_alloc((size_t)p->n_cell * (size_t)n_band, sizeof *cell);
@@ -240,10 +240,10 @@ static void write_grid(struct rad_hdf *h, hid_t root, const struct rad_picture *
   const hsize_t n_point = (hsize_t)p->n_point, n_cell = (hsize_t)p->n_cell;
   const hsize_t n_corner = (hsize_t)offset[n_cell];
   const struct rad_hdf_array grid[] = {
-      {"Points", "m", "corner points of the cells", RAD_HDF_REAL, 2, {n_point, 3}, p->point},
+      {"Points", "m", "points of the cells", RAD_HDF_REAL, 2, {n_point, 3}, p->point},
       {"Connectivity",
        "1",
-       "points of each cell, in order round it",
+       "points of each cell, in VTK's order",
        RAD_HDF_INT64,
        1,
        {n_corner},
@@ -257,7 +257,7 @@ static void write_grid(struct rad_hdf *h, hid_t root, const struct rad_picture *
        offset},
       {"Types",
        "1",
-       "VTK cell types: 5 triangle, 9 quadrilateral",
+       "VTK cell types: 5 triangle, 9 quadrilateral, 70 Lagrange quadrilateral",
        RAD_HDF_UINT8,
        1,
        {n_cell},

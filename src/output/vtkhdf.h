@@ -10,7 +10,7 @@
  *
  * Points and cells are those of result->picture. Point data: radiosity and irradiance as given;
  * rho, emission and surface of the triangle whose cell holds the point, emission varying linearly
- * over the triangle. Cell data: radiosity, irradiance and emission are means over the corners.
+ * over the triangle. Cell data: radiosity, irradiance and emission are means over its points.
  * Arrays are [n] for one band, else [n, n_band]. Radiosity and irradiance are left out when the
  * deck's output.fields does not name them, or when the picture has none. A point of no cell has
  * surface -1, rho and emission NaN.

@@ -96,11 +96,14 @@ enum {
   RAD_FIELD_TEMPERATURE = 8
 };
 
+enum rad_cells { RAD_CELLS_LINEAR, RAD_CELLS_LAGRANGE };
+
 struct rad_deck_output {
-  char *file;        /* owned; default: the deck's base name with .vtkhdf, in the working folder */
-  int sampling;      /* sub-cells per element and direction, default 4 */
-  unsigned fields;   /* bits RAD_FIELD_*; 0: all that there are */
-  bool view_factors; /* the matrix between surfaces; default no */
+  char *file;      /* owned; default: the deck's base name with .vtkhdf, in the working folder */
+  int sampling;    /* sub-cells per element and direction, default 4 */
+  unsigned fields; /* bits RAD_FIELD_*; 0: all that there are */
+  enum rad_cells cells; /* of the picture; default linear */
+  bool view_factors;    /* the matrix between surfaces; default no */
 };
 
 /* One varied key of a study: its dotted name and the values as text, ready for `--set`. */

@@ -93,7 +93,8 @@ static enum rad_code default_file(struct rad_yaml *y, char **file) {
 
 enum rad_code rad_deck_read_output(struct rad_yaml *y, const struct rad_yaml_node *node,
                                    struct rad_deck *deck) {
-  enum { FILE_NAME, SAMPLING, FIELDS, VIEW_FACTORS, N };
+  enum { FILE_NAME, SAMPLING, CELLS, FIELDS, VIEW_FACTORS, N };
+  static const char *const cells[] = {"linear", "lagrange", NULL}; /* in the order of rad_cells */
   static const struct rad_key key[N] = {
       [FILE_NAME] = {.name = "file",
                      .type = RAD_KEY_TEXT,
@@ -102,6 +103,10 @@ enum rad_code rad_deck_read_output(struct rad_yaml *y, const struct rad_yaml_nod
                     .type = RAD_KEY_WHOLE,
                     .offset = offsetof(struct rad_deck_output, sampling),
                     .range = {1, 64, false}},
+      [CELLS] = {.name = "cells",
+                 .type = RAD_KEY_CHOICE,
+                 .offset = offsetof(struct rad_deck_output, cells),
+                 .choice = cells},
       [FIELDS] = {.name = "fields"},
       [VIEW_FACTORS] = {.name = "view_factors"},
   };

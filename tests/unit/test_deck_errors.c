@@ -83,6 +83,7 @@ static const struct bad bad[] = {
     {SCENE "accuracy: {tolerance: 0}\n", 2, 23, "greater than 0 and less than 1"},
     {SCENE "accuracy: {tolerance: 1}\n", 2, 23, "greater than 0 and less than 1"},
     {SCENE "output: {sampling: 65}\n", 2, 20, "from 1 to 64"},
+    {SCENE "output: {cells: lagrang}\n", 2, 17, "did you mean 'lagrange'?"},
     {SCENE "output: {fields: [radiance]}\n", 2, 19, "did you mean 'irradiance'?"},
     {SCENE "output: {fields: [radiosity, radiosity]}\n", 2, 30, "is named twice"},
     {SCENE "output: {fields: radiosity}\n", 2, 18, "give a list of radiosity, irradiance"},

@@ -58,7 +58,7 @@ def main() -> None:
     view = space.View.of(options, vertices, normals)
     of_cell = result.file.get("VTKHDF/CellData/triangle")
     if of_cell is not None and not options.back:  # a cell without a triangle has no radiating side
-        number = number[view.sees(normals[of_cell[()]], points[number].mean(axis=1))]
+        number = number[view.sees(normals[result.of_parts(of_cell[()])], points[number].mean(axis=1))]
         seen = view.sees(normals, vertices[:, 0])
         vertices, normals = vertices[seen], normals[seen]
     number = number[np.isfinite(values[number]).all(axis=1)]

@@ -4,10 +4,14 @@ import argparse
 import re
 import sys
 from collections.abc import Callable
+from functools import cache, cached_property
 from pathlib import Path
 
 import h5py
 import numpy as np
+
+
+LAGRANGE_QUADRILATERAL = 70  # VTK's number
 
 
 class Problem(Exception):
@@ -40,6 +44,20 @@ def pretty_unit(unit: str) -> str:
     return re.sub(r"m(\d)", lambda m: "m" + "²³"[int(m[1]) - 2] if m[1] in "23" else m[0], unit)
 
 
+@cache
+def lagrange_quads(order: int) -> np.ndarray:
+    """[order^2, 4]: corners of the parts of a Lagrange quadrilateral, as places among its points
+    (corners, then sides, then the inside row by row)."""
+    s, m = order, order - 1
+    place = np.empty((s + 1, s + 1), int)  # [j, i]
+    place[[0, 0, s, s], [0, s, s, 0]] = range(4)
+    for k, side in enumerate((place[0, 1:s], place[1:s, s], place[s, 1:s], place[1:s, 0])):
+        side[:] = 4 + k * m + np.arange(m)
+    place[1:s, 1:s] = 4 + 4 * m + np.arange(m * m).reshape(m, m)
+    corners = [place[:-1, :-1], place[:-1, 1:], place[1:, 1:], place[1:, :-1]]
+    return np.stack(corners, axis=-1).reshape(-1, 4)
+
+
 class Result:
     """An open result file."""
 
@@ -59,7 +77,13 @@ class Result:
         return found
 
     def array(self, name: str) -> np.ndarray:
-        return self.dataset(name)[()]
+        """Values of a dataset; of CellData one for each cell of corners()."""
+        value = self.dataset(name)[()]
+        return self.of_parts(value) if name.startswith("VTKHDF/CellData/") else value
+
+    def of_parts(self, value: np.ndarray) -> np.ndarray:
+        order = self.orders
+        return np.repeat(value, np.maximum(order, 1) ** 2, axis=0) if order.any() else value
 
     @property
     def title(self) -> str:
@@ -77,7 +101,7 @@ class Result:
     def field(self, dataset: str, band: str | None = None) -> tuple[np.ndarray, str, str]:
         """One band of a dataset [n] or [n, band]: values, unit, name of the band (or "")."""
         found = self.dataset(dataset)
-        values = np.asarray(found[()], float)
+        values = np.asarray(self.array(dataset), float)
         unit = pretty_unit(text(found.attrs.get("unit", "W/m2")))
         if values.ndim == 1 or values.shape[1] == 1:
             if band not in (None, "0", *self.bands):
@@ -97,11 +121,23 @@ class Result:
         group = self.file.get("polyrad")
         return names_in(group.attrs.get("bands", [])) if group is not None else []
 
+    @cached_property
+    def orders(self) -> np.ndarray:
+        """Of each cell of the file: the order of a Lagrange quadrilateral, 0 of a linear cell."""
+        count = np.diff(self.array("VTKHDF/Offsets"))
+        types = self.file.get("VTKHDF/Types")
+        lagrange = types[()] == LAGRANGE_QUADRILATERAL if types is not None else False
+        return np.where(lagrange, np.sqrt(count).round().astype(int) - 1, 0)
+
     def corners(self) -> np.ndarray:
-        """Four point numbers a cell of the picture; triangles repeat their last one."""
+        """Four point numbers a linear cell; triangles repeat their last one. A Lagrange cell of order
+        s is cut into s x s."""
         connectivity = self.array("VTKHDF/Connectivity")
         offsets = self.array("VTKHDF/Offsets")
         count = np.diff(offsets)
+        if self.orders.any():
+            quads = [connectivity[first + lagrange_quads(s)] for first, s in zip(offsets, self.orders)]
+            return np.concatenate(quads)
         if len(count) == 0 or count.min() < 3 or count.max() > 4:
             raise Problem(f"{self.path}: the cells are not triangles and quadrilaterals")
         return connectivity[offsets[:-1, None] + np.minimum(np.arange(4), count[:, None] - 1)]
