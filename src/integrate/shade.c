@@ -1,24 +1,31 @@
 #include "integrate/shade.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/memory.h"
 #include "visibility/visibility.h"
 
 enum rad_code rad_shade_init(const struct rad_scene *scene, int most_targets, struct rad_shade *s,
                              struct rad_error *e) {
-  *s = (struct rad_shade){0};
+  *s = (struct rad_shade){.target = -1};
   if (!scene->visibility || scene->visibility->n_partly == 0)
     return RAD_OK;
   int n = scene->visibility->occluders.n;
   s->blocker = rad_alloc((size_t)n, sizeof(int));
   s->first = rad_alloc((size_t)most_targets + 1, sizeof(int));
-  return s->blocker && s->first ? RAD_OK : rad_fail_memory(e, "the shadows", 4.0 * n);
+  s->base = rad_alloc((size_t)most_targets, sizeof *s->base);
+  s->mu = rad_alloc((size_t)most_targets, sizeof *s->mu);
+  return s->blocker && s->first && s->base && s->mu ? RAD_OK
+                                                    : rad_fail_memory(e, "the shadows", 4.0 * n);
 }
 
 void rad_shade_free(struct rad_shade *s) {
+  free(s->base);
+  free(s->mu);
   free(s->blocker);
   free(s->frame);
+  free(s->shadow);
   free(s->plane);
   free(s->first);
   free(s->strip);
@@ -26,50 +33,72 @@ void rad_shade_free(struct rad_shade *s) {
   *s = (struct rad_shade){0};
 }
 
-static int set_frames(const struct rad_occluders *o, int target, int source, const int *blocker,
-                      struct rad_shade *s) {
-  if (!rad_reserve((void **)&s->frame, (size_t)s->n_blocker, &s->frame_room, sizeof *s->frame))
+/* Frames of the blockers that may cast a shadow; returns their number, or -1. */
+static int set_frames(const struct rad_visibility *v, int target, int source, struct rad_shade *s) {
+  int n_blocker, n = 0;
+  const int *blocker = rad_blockers(v, target, source, s->blocker, &n_blocker);
+  if (!rad_reserve((void **)&s->frame, (size_t)n_blocker, &s->frame_room, sizeof *s->frame))
     return -1;
-  int n = 0;
-  for (int b = 0; b < s->n_blocker; b++) {
-    rad_shadow_frame_set(o, target, source, blocker[b], &s->frame[n]);
+  for (int b = 0; b < n_blocker; b++) {
+    rad_shadow_frame_set(&v->occluders, target, source, blocker[b], &s->frame[n]);
     n += s->frame[n].n > 0;
   }
-  s->n_blocker = n;
-  return 0;
+  return n;
 }
 
-/* Shadows of all blockers for one target. */
-static int cast_one(const struct rad_patch *patch, int base, const double mu[2],
-                    struct rad_shade *s) {
-  if (!rad_reserve((void **)&s->plane, (size_t)(s->n_plane + s->n_blocker), &s->plane_room,
-                   sizeof *s->plane))
-    return -1;
-  for (int b = 0; b < s->n_blocker; b++) {
-    struct rad_shadow shadow;
-    rad_shadow_cast(&s->frame[b], base, mu, &shadow);
-    if (shadow.n > 0)
-      rad_half_planes_set(&shadow, patch->base, patch->mu0, patch->mu_a, patch->mu_b,
-                          &s->plane[s->n_plane++]);
+/* The shadows of all blockers for all targets on a source triangle; 0 without memory. */
+static int cast_all(const struct rad_visibility *v, int target, int source, int n, const int *base,
+                    const double (*mu)[2], struct rad_shade *s) {
+  int n_frame = set_frames(v, target, source, s), n_shadow = 0;
+  s->target = -1;
+  if (n_frame < 0)
+    return 0;
+  for (int i = 0; i < n; i++) {
+    s->first[i] = n_shadow;
+    if (!rad_reserve((void **)&s->shadow, (size_t)(n_shadow + n_frame), &s->shadow_room,
+                     sizeof *s->shadow))
+      return 0;
+    for (int b = 0; b < n_frame; b++) {
+      rad_shadow_cast(&s->frame[b], base[i], mu[i], &s->shadow[n_shadow]);
+      n_shadow += s->shadow[n_shadow].n > 0;
+    }
   }
-  return 0;
+  s->first[n] = n_shadow;
+  s->target = target;
+  s->source = source;
+  s->n_target = n;
+  memcpy(s->base, base, sizeof *base * (size_t)n);
+  memcpy(s->mu, mu, sizeof *mu * (size_t)n);
+  return 1;
+}
+
+/* The kept shadows are those of these targets. */
+static int is_kept(const struct rad_shade *s, int target, int source, int n, const int *base,
+                   const double (*mu)[2]) {
+  return s->target == target && s->source == source && s->n_target == n &&
+         !memcmp(s->base, base, sizeof *base * (size_t)n) &&
+         !memcmp(s->mu, mu, sizeof *mu * (size_t)n);
 }
 
 int rad_shade_cast(const struct rad_scene *scene, int target, const struct rad_patch *patch, int n,
                    const int *base, const double (*mu)[2], struct rad_shade *s) {
   const struct rad_visibility *v = scene->visibility;
-  if (!v || v->sight[(size_t)target * scene->n_triangle + patch->triangle] != RAD_PARTLY)
+  int source = patch->triangle;
+  if (!v || v->sight[(size_t)target * (size_t)scene->n_triangle + (size_t)source] != RAD_PARTLY)
     return 0;
-  const int *blocker = rad_blockers(v, target, patch->triangle, s->blocker, &s->n_blocker);
-  s->n_plane = 0;
-  if (set_frames(&v->occluders, target, patch->triangle, blocker, s))
+  if (!is_kept(s, target, source, n, base, mu) && !cast_all(v, target, source, n, base, mu, s)) {
     s->failed = 1;
-  for (int i = 0; i < n && !s->failed; i++) {
-    s->first[i] = s->n_plane;
-    s->failed = cast_one(patch, base[i], mu[i], s) != 0;
+    return 0;
   }
-  s->first[n] = s->n_plane;
-  return !s->failed && s->n_plane > 0;
+  int n_shadow = s->first[n];
+  if (!rad_reserve((void **)&s->plane, (size_t)n_shadow, &s->plane_room, sizeof *s->plane)) {
+    s->failed = 1;
+    return 0;
+  }
+  for (int i = 0; i < n_shadow; i++)
+    rad_half_planes_set(&s->shadow[i], patch->base, patch->mu0, patch->mu_a, patch->mu_b,
+                        &s->plane[i]);
+  return n_shadow > 0;
 }
 
 enum rad_sight rad_shade_polygon(struct rad_shade *s, int i, const struct rad_polygon *polygon) {

@@ -8,16 +8,20 @@
 #include "mesh/mesh.h"
 #include "visibility/visible.h"
 
-/* Memory of one thread. */
+/* Memory of one thread. The shadows of the last targets on the last source triangle are kept: its
+ * patches follow one another. */
 struct rad_shade {
-  int n_blocker;
+  int target, source, n_target; /* triangles, targets; target -1: none kept */
+  int *base;                    /* owned [most targets] */
+  double (*mu)[2];              /* owned [most targets] */
+  int *blocker;                 /* owned [occluders] */
   size_t frame_room;
-  int *blocker;                   /* owned [occluders] */
   struct rad_shadow_frame *frame; /* owned [frame_room], of the blockers */
-  int n_plane;
+  size_t shadow_room;
+  struct rad_shadow *shadow; /* owned [shadow_room] in the source triangle's barycentric terms */
+  int *first;                /* owned [most targets + 1] of each target's shadows */
   size_t plane_room;
-  struct rad_half_planes *plane; /* owned [plane_room] shadows in the patch's (r, r t) */
-  int *first;                    /* owned [targets + 1] of each target's shadows */
+  struct rad_half_planes *plane; /* owned [plane_room] the shadows in the patch's (r, r t) */
   struct rad_parts parts;        /* visible parts of an element, in (r, r t) */
   size_t strip_room;
   struct rad_strip *strip; /* owned [strip_room] */
