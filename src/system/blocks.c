@@ -149,11 +149,12 @@ static void divide(struct division *d, int i, int j) {
   d->across[0] = rad_side_of(&scene->triangle[i], &scene->triangle[j]) == RAD_ACROSS;
   d->across[1] = rad_side_of(&scene->triangle[j], &scene->triangle[i]) == RAD_ACROSS;
   int *all = rad_alloc((size_t)v->occluders.n, sizeof(int));
+  const int *blocker = all;
   if (all && sight == RAD_PARTLY)
-    rad_sight_between(&v->occluders, i, j, all, &n);
+    blocker = rad_blockers(v, i, j, all, &n);
   int *stack = all ? rad_alloc((size_t)n * (size_t)(2 * d->tree->n_level + 1), sizeof(int)) : NULL;
   if (stack) {
-    memcpy(stack, all, sizeof(int) * (size_t)n);
+    memcpy(stack, blocker, sizeof(int) * (size_t)n);
     visit(d, i, j, stack, n);
   }
   d->failed |= !stack;
