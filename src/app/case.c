@@ -12,6 +12,10 @@
  */
 enum { MOST_BOUNDED = 3000 };
 
+/* |inverse| over 1/(1 - kappa), kappa known at the collocation points only: stable methods stay
+ * below 1.08 (docs/stability.md). */
+#define UNSTABLE 1.2
+
 static enum rad_code refuse_unavailable(const struct rad_case *c, struct rad_error *e) {
   if (c->deck.method.matrix == RAD_MATRIX_HIERARCHICAL && c->deck.method.solver == RAD_SOLVER_LU)
     return rad_fail(e, RAD_EINPUT,
@@ -44,8 +48,9 @@ static void choose_mode(struct rad_case *c) {
       c->is_adaptive = 0;
   c->tolerance = c->deck.tolerance > 0 ? c->deck.tolerance : 1e-3;
   int folded = m->mesh == RAD_MESH_UNIFORM && m->degree == 1;
-  c->wants_bound =
-      c->is_adaptive || (c->deck.tolerance > 0 && m->solver != RAD_SOLVER_NEUMANN && !folded);
+  int suspect = m->nodes.kind != RAD_NODES_GAUSS; /* a number alone would be a trap */
+  c->wants_bound = c->is_adaptive || ((c->deck.tolerance > 0 || suspect) &&
+                                      m->solver != RAD_SOLVER_NEUMANN && !folded);
 }
 
 /* Sizes of the run, from counts alone. */
@@ -265,6 +270,27 @@ enum rad_code rad_case_solve(struct rad_case *c, struct rad_error *e) {
   code = rad_solve(&k, &o, c->scene.n_band, c->rho, c->emission, c->u, c->h, &c->report, e);
   int bounded = c->wants_bound && c->mesh->n_point <= MOST_BOUNDED;
   return code || !bounded ? code : estimate_by_hand(c, e);
+}
+
+void rad_case_warn(const struct rad_case *c, struct rad_notes *notes) {
+  double amplified = c->report.inverse_norm * c->rules.tolerance;
+  double most = c->report.kappa < 1 ? 1 / (1 - c->report.kappa) : INFINITY;
+  if (c->deck.method.nodes.kind != RAD_NODES_GAUSS)
+    rad_notes_add(notes,
+                  "collocation at other nodes than Gauss points can be unstable, which the "
+                  "residual does not show; use method.nodes: gauss for results");
+  if (c->report.inverse_norm > UNSTABLE * most)
+    rad_notes_add(notes,
+                  "the discrete inverse is too large (|inverse| %.3g, at most 1/(1 - kappa) = %.3g "
+                  "for the equation): the method is unstable on this mesh and its values mean "
+                  "nothing",
+                  c->report.inverse_norm, most);
+  if (amplified > 1e-4 && !c->has_bound) /* a bound has it in */
+    rad_notes_add(notes,
+                  "the scene loses so little light (|inverse| %.2g) that the quadrature tolerance "
+                  "%.1g may change the radiosity by %.1g of itself; lower "
+                  "method.quadrature_tolerance",
+                  c->report.inverse_norm, c->rules.tolerance, amplified);
 }
 
 void rad_case_free(struct rad_case *c) {

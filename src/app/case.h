@@ -52,6 +52,9 @@ enum rad_code rad_case_prepare(const char *deck, int n_set, const char *const *s
  * be reached, c->adaptive.reason says why and report.converged is 0. */
 enum rad_code rad_case_solve(struct rad_case *c, struct rad_error *e);
 
+/* What the user should know about a result that is there all the same. */
+void rad_case_warn(const struct rad_case *c, struct rad_notes *notes);
+
 void rad_case_free(struct rad_case *c); /* safe twice */
 
 /* Predicted time, from samples of the real work on this machine. */

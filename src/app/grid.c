@@ -15,9 +15,13 @@ static double coordinate(enum rad_grid grid, int i) {
   return grid == RAD_GRID_CLOSED ? i / (RAD_GRID - 1.0) : pow(1e-6, 1 - i / (RAD_CROWD - 1.0));
 }
 
-size_t rad_grid_size(const struct rad_scene *scene, enum rad_grid grid) {
+size_t rad_grid_points(enum rad_grid grid, int n_triangle) {
   size_t side = (size_t)side_of(grid);
-  return (size_t)scene->n_triangle * RAD_N_SUB * side * side * (size_t)scene->n_band;
+  return (size_t)n_triangle * RAD_N_SUB * side * side;
+}
+
+size_t rad_grid_size(const struct rad_scene *scene, enum rad_grid grid) {
+  return rad_grid_points(grid, scene->n_triangle) * (size_t)scene->n_band;
 }
 
 /* u_h at (phi, r) of a sub-triangle, whatever patches the mesh has. */
@@ -88,6 +92,41 @@ enum rad_code rad_grid_evaluate(const struct rad_case *c, enum rad_grid grid, do
     return evaluate_star(c, grid, value, e);
   evaluate_uh(c, grid, value);
   return RAD_OK;
+}
+
+/* Part of point i in an integral over [0, 1]. */
+static double trapezoid(enum rad_grid grid, int i) {
+  int last = side_of(grid) - 1;
+  return 0.5 * (coordinate(grid, i < last ? i + 1 : i) - coordinate(grid, i > 0 ? i - 1 : i));
+}
+
+/* Part of a grid point in an integral over a sub-triangle (theory 2.1), but for the area. */
+static double weight_of(enum rad_grid grid, int q) {
+  int i = q % side_of(grid), j = q / side_of(grid);
+  double t = rad_angle_t(RAD_ANGLE_POLAR, coordinate(grid, i));
+  return trapezoid(grid, i) * trapezoid(grid, j) * coordinate(grid, j) *
+         rad_angle_dt(RAD_ANGLE_POLAR, t);
+}
+
+struct rad_difference rad_grid_difference(enum rad_grid grid, int n_triangle, int n_band,
+                                          const double *area, const double *a, const double *b) {
+  struct rad_difference d = {0, 0};
+  int n = side_of(grid) * side_of(grid);
+  double sum[RAD_MAX_BAND] = {0}, whole = 0;
+  for (int s = 0; s < n_triangle * RAD_N_SUB; s++)
+    for (int q = 0; q < n; q++) {
+      double w = area[s / RAD_N_SUB] * weight_of(grid, q);
+      size_t at = ((size_t)s * (size_t)n + (size_t)q) * (size_t)n_band;
+      whole += w;
+      for (int k = 0; k < n_band; k++) {
+        double e = fabs(a[at + (size_t)k] - b[at + (size_t)k]);
+        d.largest = fmax(d.largest, e);
+        sum[k] += w * e * e;
+      }
+    }
+  for (int k = 0; k < n_band; k++)
+    d.mean_square = fmax(d.mean_square, sqrt(sum[k] / whole));
+  return d;
 }
 
 /* (n0^-a - nr^-a) / (n1^-a - nr^-a), increasing in a. */

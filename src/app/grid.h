@@ -16,9 +16,22 @@ extern const char *const rad_grid_name[];
 /* Number of values: triangles x 6 sub-triangles x points x bands. */
 size_t rad_grid_size(const struct rad_scene *scene, enum rad_grid grid);
 
+/* Values of one band. */
+size_t rad_grid_points(enum rad_grid grid, int n_triangle);
+
 /* The solution of a case on the grid, in the polar (phi, r) of every sub-triangle. */
 enum rad_code rad_grid_evaluate(const struct rad_case *c, enum rad_grid grid, double *value,
                                 struct rad_error *e);
+
+/* How far two solutions on the grid are apart, the worst band. */
+struct rad_difference {
+  double largest;     /* max |a - b| */
+  double mean_square; /* root of the mean of (a - b)^2 over the surface, by the trapezoidal rule */
+};
+
+/* @param[in] area  [n_triangle];  a, b: values on the grid, as rad_grid_evaluate gives them */
+struct rad_difference rad_grid_difference(enum rad_grid grid, int n_triangle, int n_band,
+                                          const double *area, const double *a, const double *b);
 
 /**
  * Estimated order alpha when errors behave like c |N^-alpha - N_ref^-alpha| [H, (4.2)]:

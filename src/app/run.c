@@ -157,6 +157,12 @@ static void print_solution(const struct rad_case *c, const struct rad_result *r,
         "and vertices %.2e\n",
         d->error_bound, c->adaptive.bound,
         c->adaptive.bound <= c->tolerance ? "" : " (NOT THE TOLERANCE)", c->adaptive.bound_limit);
+  else
+    fprintf(out, "  error    not estimated%s\n",
+            c->deck.tolerance > 0
+                ? ": more than 3000 unknowns, a Neumann series, or a uniform mesh "
+                  "of degree 1"
+                : "; accuracy.tolerance gives a bound");
   if (c->plan.matrix == RAD_MATRIX_HIERARCHICAL)
     fprintf(out, "  matrix   hierarchical, %.3g MB; compression %.1e of a row, estimated %.1e\n",
             c->plan.matrix_bytes / 1e6, c->h2.tolerance, c->h2.error);
@@ -229,16 +235,12 @@ static enum rad_code refuse_overwrite(const struct rad_case *c, const char *path
                   c->deck.path);
 }
 
-/* What the user should know about a result that is written all the same; a bound, where there is
- * one, has it in. */
 static void warn(const struct rad_case *c, FILE *log) {
-  double amplified = c->report.inverse_norm * c->rules.tolerance;
-  if (amplified > 1e-4 && !c->has_bound)
-    fprintf(log,
-            "%s: warning: the scene loses so little light (|inverse| %.2g) that the quadrature "
-            "tolerance %.1g may change the radiosity by %.1g of itself; lower "
-            "method.quadrature_tolerance\n",
-            c->deck.path, c->report.inverse_norm, c->rules.tolerance, amplified);
+  struct rad_notes notes = {0};
+  rad_case_warn(c, &notes);
+  for (int i = 0; i < notes.n; i++)
+    fprintf(log, "%s: warning: %s\n", c->deck.path, notes.text[i]);
+  rad_notes_free(&notes);
 }
 
 static void warn_view_factors(const struct rad_case *c, const struct rad_view_factors *f,
@@ -297,6 +299,8 @@ enum rad_code rad_app_run(const struct rad_command *command, struct rad_error *e
   }
   if (!code && command->within)
     code = rad_study_take(&c, command->within->grid, rad_stamp_now() - started,
+                          c.deck.study.stability &&
+                              command->within->task.number <= command->within->task.n_row,
                           &command->within->task.run, e);
   if (!code) {
     warn(&c, command->log);

@@ -1,32 +1,84 @@
 /* polyrad study: one deck run over a product of keys, compared with a reference. */
+#include <math.h>
 #include <omp.h>
 #include <stdlib.h>
 
 #include "app/study.h"
 #include "base/clock.h"
 #include "base/memory.h"
+#include "system/stability.h"
+
+/* Norms of the inverse, the largest of all bands. */
+static enum rad_code take_norms(const struct rad_case *c, struct rad_task_run *run,
+                                struct rad_error *e) {
+  enum rad_code code = RAD_OK;
+  if (!c->dense.k || c->mesh->n_point > RAD_STABILITY_MOST)
+    return RAD_OK;
+  run->inverse_norm = run->inverse_matrix = run->condition = run->spectral_radius = 0;
+  for (int b = 0; b < c->scene.n_band && !code; b++) {
+    struct rad_stability s;
+    code = rad_stability(&c->dense, c->rho + (size_t)b * (size_t)c->mesh->n_point, &s, e);
+    run->inverse_norm = fmax(run->inverse_norm, s.inverse_norm);
+    run->inverse_matrix = fmax(run->inverse_matrix, s.inverse_matrix);
+    run->condition = fmax(run->condition, s.condition);
+    run->spectral_radius = fmax(run->spectral_radius, s.spectral_radius);
+  }
+  return code;
+}
+
+/* The solution where runs are compared, and the triangles' areas. */
+static enum rad_code take_values(const struct rad_case *c, enum rad_grid grid,
+                                 struct rad_task_run *run, struct rad_error *e) {
+  run->n_area = (size_t)c->scene.n_triangle;
+  run->n_value = rad_grid_size(&c->scene, grid);
+  run->area = rad_alloc(run->n_area, sizeof(double));
+  run->value = rad_alloc(run->n_value, sizeof(double));
+  if (!run->value || !run->area)
+    return rad_fail_memory(e, "the comparison grid", 8.0 * (double)run->n_value);
+  for (int t = 0; t < c->scene.n_triangle; t++)
+    run->area[t] = c->scene.triangle[t].area;
+  return rad_grid_evaluate(c, grid, run->value, e);
+}
 
 enum rad_code rad_study_take(const struct rad_case *c, enum rad_grid grid, double seconds,
-                             struct rad_task_run *run, struct rad_error *e) {
+                             int norms, struct rad_task_run *run, struct rad_error *e) {
   /* a bound on a mesh by hand is no part of the solution */
   run->seconds_total = seconds - (c->is_adaptive ? 0 : c->seconds_estimate);
   run->unknowns = c->mesh->n_point;
   run->elements = c->mesh->n_element;
   run->residual = c->report.residual;
   run->matrix_bytes = c->plan.matrix_bytes;
+  run->kappa = c->report.kappa;
+  run->inverse_w = c->report.inverse_norm;
+  if (c->is_adaptive)
+    run->error_bound =
+        c->adaptive.bound * rad_indicator_scale(&c->adaptive.indicator, c->scene.n_band);
   run->seconds_assemble = c->seconds_assemble;
   run->seconds_factor = c->report.seconds_factor;
   run->seconds_solve = c->report.seconds_solve;
-  run->n_value = rad_grid_size(&c->scene, grid);
-  run->value = rad_alloc(run->n_value, sizeof(double));
-  if (!run->value)
-    return rad_fail_memory(e, "the comparison grid", 8.0 * (double)run->n_value);
-  enum rad_code code = rad_grid_evaluate(c, grid, run->value, e);
-  if (code) {
-    free(run->value);
-    run->value = NULL;
-  }
+  enum rad_code code = take_values(c, grid, run, e);
+  if (!code && norms)
+    code = take_norms(c, run, e);
+  if (code)
+    rad_task_run_free(run);
   return code;
+}
+
+/* What the log says of run i. */
+static void say(const struct rad_study_plan *p, int i, const char *what) {
+  fprintf(p->command->log, "study, %s %d: %s\n", i < p->n_row ? "run" : "reference",
+          i < p->n_row ? i + 1 : i - p->n_row + 1, what);
+}
+
+/* What the user should know of a run that has a solution. */
+static void warn(const struct rad_study_plan *p, int i, const struct rad_case *c) {
+  struct rad_notes notes = {0};
+  rad_case_warn(c, &notes);
+  for (int n = 0; n < notes.n; n++)
+    say(p, i, notes.text[n]);
+  if (c->adaptive.reason[0])
+    say(p, i, c->adaptive.reason);
+  rad_notes_free(&notes);
 }
 
 static enum rad_code run_row(const struct rad_study_plan *p, int i, struct rad_task_run *run,
@@ -44,7 +96,10 @@ static enum rad_code run_row(const struct rad_study_plan *p, int i, struct rad_t
   if (!code)
     code = rad_case_solve(&c, e);
   if (!code)
-    code = rad_study_take(&c, p->grid, rad_seconds() - start, run, e);
+    code = rad_study_take(&c, p->grid, rad_seconds() - start,
+                          p->deck.study.stability && i < p->n_row, run, e);
+  if (!code)
+    warn(p, i, &c);
   rad_case_free(&c);
   free(s.text);
   return code;
@@ -53,17 +108,18 @@ static enum rad_code run_row(const struct rad_study_plan *p, int i, struct rad_t
 /* Runs one after the other; row i's values are at set + i n_key. */
 static enum rad_code run_all(const struct rad_study_plan *p, struct rad_study_table *t, char **set,
                              struct rad_error *e) {
-  for (int i = 0; i < p->n_row + p->is_named; i++) {
+  for (int i = 0; i < p->n_row + p->n_reference; i++) {
     struct rad_study_row *row = &t->row[i];
+    row->run = RAD_TASK_RUN_UNKNOWN;
     row->run.n = rad_study_n(p, i);
     row->set = set + (size_t)i * (size_t)t->n_key;
     for (int k = 0; k < t->n_key && i < p->n_row; k++)
       row->set[k] = (char *)rad_study_value(p, i, k);
-    rad_progress_run(p->progress, i + 1, p->n_row + p->is_named);
+    rad_progress_run(p->progress, i + 1, p->n_row + p->n_reference);
     enum rad_code code = run_row(p, i, &row->run, e);
     rad_progress_clear(p->progress);
     if (code == RAD_ENUMERIC) /* one run that fails does not lose the others */
-      fprintf(p->command->log, "study, run %d: %s\n", i + 1, e->text);
+      say(p, i, e->text);
     else if (code)
       return code;
   }
@@ -86,7 +142,7 @@ enum rad_code rad_study_report(struct rad_study_table *t, const struct rad_comma
 
 /* All runs in this process. */
 static enum rad_code whole(const struct rad_study_plan *p, struct rad_error *e) {
-  size_t n_key = (size_t)p->deck.study.n_vary, n_run = (size_t)(p->n_row + p->is_named);
+  size_t n_key = (size_t)p->deck.study.n_vary, n_run = (size_t)(p->n_row + p->n_reference);
   char **key = rad_calloc(n_key, sizeof *key), **set = rad_calloc(n_key * n_run, sizeof *set);
   char *file = rad_study_file(p, "_study", ".h5");
   struct rad_study_table t = {.path = p->deck.path,
@@ -95,7 +151,7 @@ static enum rad_code whole(const struct rad_study_plan *p, struct rad_error *e) 
                               .key = key,
                               .n_row = p->n_row,
                               .n_inner = p->n_inner,
-                              .is_named = p->is_named,
+                              .n_reference = p->n_reference,
                               .row = rad_calloc(n_run, sizeof *t.row),
                               .grid = p->grid,
                               .threads = omp_get_max_threads()};
@@ -109,7 +165,7 @@ static enum rad_code whole(const struct rad_study_plan *p, struct rad_error *e) 
   if (!code)
     code = rad_study_report(&t, p->command, file, e);
   for (size_t i = 0; i < n_run && t.row; i++)
-    free(t.row[i].run.value);
+    rad_task_run_free(&t.row[i].run);
   free(t.row);
   free(file);
   free(set);

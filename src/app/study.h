@@ -13,9 +13,11 @@ struct rad_study_task {
   int is_written; /* its result is in a file */
 };
 
-/* What the table needs of a case that is solved; run->value is owned, n is left alone. */
+/* What the table needs of a case that is solved; run's arrays are owned, n is left alone.
+ *
+ * @param[in] norms  of the inverse as well, if the matrix is dense and small enough */
 enum rad_code rad_study_take(const struct rad_case *c, enum rad_grid grid, double seconds,
-                             struct rad_task_run *run, struct rad_error *e);
+                             int norms, struct rad_task_run *run, struct rad_error *e);
 
 /* One run of the study, by polyrad run, into a file of its own: that of command->task. */
 enum rad_code rad_study_task(const struct rad_study_plan *plan, struct rad_error *e);

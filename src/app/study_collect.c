@@ -103,7 +103,7 @@ static enum rad_code tabulate(const struct collection *c, struct rad_error *e) {
                               .key = c->like->key,
                               .n_row = n_row,
                               .n_inner = c->like->n_inner,
-                              .is_named = c->n > n_row,
+                              .n_reference = c->n - n_row,
                               .row = rad_calloc((size_t)c->n, sizeof *t.row),
                               .grid = strcmp(c->like->grid, rad_grid_name[RAD_GRID_CROWDED])
                                           ? RAD_GRID_CLOSED

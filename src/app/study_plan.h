@@ -10,7 +10,7 @@ struct rad_study_plan {
   const struct rad_command *command; /* borrowed */
   struct rad_deck deck;
   int n_row, n_inner; /* runs of the table; values of the last key, which varies fastest */
-  int is_named;       /* run n_row is a named reference */
+  int n_reference;    /* runs from n_row on: a named reference of each problem; 0: not named */
   enum rad_grid grid;
   struct rad_progress line, *progress; /* the line, or NULL: quiet; a plan must not move */
 };
@@ -25,13 +25,17 @@ void rad_study_plan_free(struct rad_study_plan *plan); /* safe twice */
  * NULL without memory. */
 char *rad_study_file(const struct rad_study_plan *plan, const char *tail, const char *ending);
 
+/* True for keys that say what is solved, a problem, and not how. */
+int rad_study_is_of_problem(const char *key);
+
 /* Value of varied key k in run i < n_row. */
 const char *rad_study_value(const struct rad_study_plan *plan, int i, int k);
 
 /* Value of the last varied key in run i if it is method.elements, else NAN. */
 double rad_study_n(const struct rad_study_plan *plan, int i);
 
-/* Overrides of run i, after those of the command line. */
+/* Overrides of run i, after those of the command line. A reference has the values of its problem,
+ * and its own keys. */
 struct rad_study_set {
   int n;
   const char *set[RAD_MAX_SET]; /* borrowed, from the command line or text */

@@ -10,7 +10,8 @@
 struct rad_study_row {
   char **set; /* borrowed [n_key] values of the varied keys */
   struct rad_task_run run;
-  double error, ratio, eoc;
+  struct rad_difference error; /* from the reference */
+  double ratio, eoc;
 };
 
 struct rad_study_table {
@@ -19,14 +20,16 @@ struct rad_study_table {
   int n_key;
   char *const *key;          /* borrowed [n_key] varied keys, the first slowest */
   int n_row, n_inner;        /* runs; values of the last key */
-  int is_named;              /* the reference is row n_row, not the last run */
-  struct rad_study_row *row; /* [n_row + is_named] */
+  int n_reference;           /* named ones, from row n_row on; 0: the last run of a problem */
+  struct rad_study_row *row; /* [n_row + n_reference] */
+  int n_problem;             /* set by rad_study_compare */
   enum rad_grid grid;
   int threads;
 };
 
-/* Errors, ratios and orders from the runs. RAD_EINPUT if they cannot be compared, RAD_ENUMERIC if
- * the reference has no solution; other rows without one get NAN. */
+/* Errors, ratios and orders from the runs. Only runs of one problem are compared, that is, those
+ * that agree in all keys but method and accuracy. RAD_EINPUT if they cannot be, RAD_ENUMERIC if no
+ * reference has a solution; rows without one, or without a reference, get NAN. */
 enum rad_code rad_study_compare(struct rad_study_table *t, struct rad_error *e);
 
 void rad_study_print(const struct rad_study_table *t, FILE *out);

@@ -8,13 +8,16 @@
 
 static enum rad_code refuse_number(const struct rad_study_plan *p, struct rad_error *e) {
   const struct rad_command *c = p->command;
-  int n = p->n_row + p->is_named;
+  int n = p->n_row + p->n_reference;
   if (c->n_task == n)
     return RAD_OK;
   return rad_fail(e, RAD_EINPUT,
                   "%s: error: the study has %d run%s%s, but --task %d/%d says %d; give 1/%d to "
                   "%d/%d",
-                  p->deck.path, n, n > 1 ? "s" : "", p->is_named ? " with its reference" : "",
+                  p->deck.path, n, n > 1 ? "s" : "",
+                  p->n_reference > 1 ? " with its references"
+                  : p->n_reference   ? " with its reference"
+                                     : "",
                   c->task, c->n_task, c->n_task, n, n, n);
 }
 
@@ -34,7 +37,7 @@ static enum rad_code describe(const struct rad_study_plan *p, struct rad_task *t
   const struct rad_deck_study *d = &p->deck.study;
   int i = p->command->task - 1, failed;
   *t = (struct rad_task){.number = i + 1,
-                         .n_task = p->n_row + p->is_named,
+                         .n_task = p->n_row + p->n_reference,
                          .n_row = p->n_row,
                          .n_inner = p->n_inner,
                          .grid = strdup(rad_grid_name[p->grid]),
@@ -43,7 +46,8 @@ static enum rad_code describe(const struct rad_study_plan *p, struct rad_task *t
                          .n_key = d->n_vary,
                          .key = rad_calloc((size_t)d->n_vary, sizeof *t->key),
                          .set = rad_calloc((size_t)d->n_vary, sizeof *t->set),
-                         .run = {.n = rad_study_n(p, i)}};
+                         .run = RAD_TASK_RUN_UNKNOWN};
+  t->run.n = rad_study_n(p, i);
   failed = !t->grid || !t->overrides || !t->table || !t->key || !t->set;
   for (int k = 0; k < d->n_vary && !failed; k++) {
     t->key[k] = strdup(d->vary[k].key);
@@ -56,13 +60,13 @@ static enum rad_code describe(const struct rad_study_plan *p, struct rad_task *t
 /* NAME_task_02_of_12.ENDING: the names of all tasks in order. */
 static char *name_file(const struct rad_study_plan *p, int task) {
   char tail[64];
-  int n = p->n_row + p->is_named, width = snprintf(NULL, 0, "%d", n);
+  int n = p->n_row + p->n_reference, width = snprintf(NULL, 0, "%d", n);
   snprintf(tail, sizeof tail, "_task_%0*d_of_%d", width, task, n);
   return rad_study_file(p, tail, NULL);
 }
 
 enum rad_code rad_study_list(const struct rad_study_plan *p, struct rad_error *e) {
-  for (int task = 1; task <= p->n_row + p->is_named; task++) {
+  for (int task = 1; task <= p->n_row + p->n_reference; task++) {
     char *file = name_file(p, task);
     if (!file)
       return rad_fail_memory(e, "the study", 1000);

@@ -17,10 +17,29 @@ const struct rad_task_number rad_task_number[RAD_N_TASK_NUMBER] = {
     {"seconds_solve", "s", "time to solve without dgetrf",
      offsetof(struct rad_task_run, seconds_solve)},
     {"seconds_total", "s", "time from deck to solution",
-     offsetof(struct rad_task_run, seconds_total)}};
+     offsetof(struct rad_task_run, seconds_total)},
+    {"error_bound", "W/m2", "bound of the error, of adaptive runs",
+     offsetof(struct rad_task_run, error_bound)},
+    {"kappa", "1", "max rho K1 at the collocation points", offsetof(struct rad_task_run, kappa)},
+    {"inverse_w", "1", "max |w| of (5.2): about the norm of the inverse operator",
+     offsetof(struct rad_task_run, inverse_w)},
+    {"inverse_norm", "1", "norm of E at the points -> u_h, in the max norm",
+     offsetof(struct rad_task_run, inverse_norm)},
+    {"inverse_matrix", "1", "max norm of the inverse of I - D K",
+     offsetof(struct rad_task_run, inverse_matrix)},
+    {"condition", "1", "condition of I - D K in the max norm",
+     offsetof(struct rad_task_run, condition)},
+    {"spectral_radius", "1", "of D K", offsetof(struct rad_task_run, spectral_radius)}};
 
 static double *number_of(struct rad_task_run *run, int k) {
   return (double *)((char *)run + rad_task_number[k].offset);
+}
+
+void rad_task_run_free(struct rad_task_run *run) {
+  free(run->area);
+  free(run->value);
+  run->area = run->value = NULL;
+  run->n_area = run->n_value = 0;
 }
 
 void rad_task_free(struct rad_task *t) {
@@ -29,7 +48,7 @@ void rad_task_free(struct rad_task *t) {
   free(t->grid);
   free(t->overrides);
   free(t->table);
-  free(t->run.value);
+  rad_task_run_free(&t->run);
   *t = (struct rad_task){0};
 }
 
@@ -49,6 +68,10 @@ void rad_task_put(struct rad_hdf *h, hid_t root, const struct rad_task *t) {
   rad_hdf_texts(h, group, "key", (size_t)t->n_key, (const char *const *)t->key, "varied key");
   rad_hdf_texts(h, group, "set", (size_t)t->n_key, (const char *const *)t->set,
                 "value of this run");
+  if (run.value)
+    rad_hdf_array(h, group,
+                  &(struct rad_hdf_array){
+                      "area", "m2", "of the triangles", RAD_HDF_REAL, 1, {run.n_area}, run.area});
   if (run.value)
     rad_hdf_array(h, group,
                   &(struct rad_hdf_array){"value",
@@ -85,6 +108,8 @@ static void read_run(hid_t at, struct rad_task_run *run) {
     *number_of(run, k) = rad_hdf_get_number(at, rad_task_number[k].name);
   run->value = rad_hdf_read_numbers(at, "value", shape);
   run->n_value = run->value ? (size_t)(shape[0] * shape[1] * shape[2]) : 0;
+  run->area = rad_hdf_read_numbers(at, "area", shape);
+  run->n_area = run->area ? (size_t)shape[0] : 0;
 }
 
 /* Whether all was there, and fits. */
@@ -105,7 +130,8 @@ static bool read_task(hid_t at, struct rad_task *t) {
     t->set = NULL;
   }
   return t->key && t->set && t->grid && t->overrides && t->table && t->n_inner > 0 &&
-         t->number > 0 && t->number <= t->n_task && t->n_row > 0 && t->n_task - t->n_row <= 1 &&
+         t->number > 0 && t->number <= t->n_task && t->n_row > 0 &&
+         t->n_task - t->n_row <= t->n_row && (!t->run.value || t->run.area) &&
          t->n_row <= t->n_task && t->n_row % t->n_inner == 0;
 }
 

@@ -115,6 +115,7 @@ struct rad_deck_vary {
 
 struct rad_deck_study {
   bool present;
+  bool stability;                  /* norms of the inverse of every run; default no */
   int n_vary;                      /* keys; the study runs their product, first key slowest */
   struct rad_deck_vary *vary;      /* owned [n_vary] */
   int n_reference;                 /* 0: the last run is the reference */

@@ -69,15 +69,6 @@ static enum rad_code read_fields(struct rad_yaml *y, const struct rad_yaml_node 
   return RAD_OK;
 }
 
-static enum rad_code read_bool(struct rad_yaml *y, const struct rad_yaml_node *node,
-                               const char *key, bool *value) {
-  static const char *const choice[] = {"false", "true", NULL};
-  int number = 0;
-  enum rad_code code = rad_read_choice(y, node, key, choice, &number);
-  *value = number;
-  return code;
-}
-
 /* In the working folder: runs/corner.yml gives corner.vtkhdf. */
 static enum rad_code default_file(struct rad_yaml *y, char **file) {
   const char *slash = strrchr(y->path, '/'), *base = slash ? slash + 1 : y->path;
@@ -117,7 +108,7 @@ enum rad_code rad_deck_read_output(struct rad_yaml *y, const struct rad_yaml_nod
   if (!code && seen[FIELDS])
     code = read_fields(y, seen[FIELDS], &deck->output.fields);
   if (!code && seen[VIEW_FACTORS])
-    code = read_bool(y, seen[VIEW_FACTORS], "view_factors", &deck->output.view_factors);
+    code = rad_read_bool(y, seen[VIEW_FACTORS], "view_factors", &deck->output.view_factors);
   if (!code && !deck->output.file)
     code = default_file(y, &deck->output.file);
   return code;

@@ -56,6 +56,8 @@ enum rad_code rad_read_reals(struct rad_yaml *y, const struct rad_yaml_node *nod
 /* Replaces *text, which is owned. Refuses an empty one. */
 enum rad_code rad_read_text(struct rad_yaml *y, const struct rad_yaml_node *node, const char *key,
                             char **text);
+enum rad_code rad_read_bool(struct rad_yaml *y, const struct rad_yaml_node *node, const char *key,
+                            bool *value);
 enum rad_code rad_read_choice(struct rad_yaml *y, const struct rad_yaml_node *node, const char *key,
                               const char *const *choice, int *value);
 

@@ -162,9 +162,10 @@ static struct trial trial_of(struct rad_yaml *y, struct rad_yaml_node *root, con
 
 enum rad_code rad_deck_read_study(struct rad_yaml *y, struct rad_yaml_node *root,
                                   struct rad_yaml_node *node, struct rad_deck *deck) {
-  enum { VARY, REFERENCE, N };
-  static const struct rad_key key[N] = {
-      [VARY] = {.name = "vary"}, [REFERENCE] = {.name = "reference"}};
+  enum { VARY, REFERENCE, STABILITY, N };
+  static const struct rad_key key[N] = {[VARY] = {.name = "vary"},
+                                        [REFERENCE] = {.name = "reference"},
+                                        [STABILITY] = {.name = "stability"}};
   struct rad_deck_study *study = &deck->study;
   const struct rad_yaml_node *seen[N];
   if (!node)
@@ -177,6 +178,8 @@ enum rad_code rad_deck_read_study(struct rad_yaml *y, struct rad_yaml_node *root
   if (!code && !seen[VARY])
     return rad_yaml_fail(y, node,
                          "the study has no 'vary'; give the keys to vary and their values");
+  if (!code && seen[STABILITY])
+    code = rad_read_bool(y, seen[STABILITY], "stability", &study->stability);
   if (!code)
     code = read_vary(y, seen[VARY], study);
   if (!code && seen[REFERENCE])

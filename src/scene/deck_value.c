@@ -129,6 +129,15 @@ enum rad_code rad_read_choice(struct rad_yaml *y, const struct rad_yaml_node *no
   return rad_yaml_fail(y, node, "'%s' cannot be '%.60s'; %s", key, node->text, hint);
 }
 
+enum rad_code rad_read_bool(struct rad_yaml *y, const struct rad_yaml_node *node, const char *key,
+                            bool *value) {
+  static const char *const choice[] = {"false", "true", NULL};
+  int number = 0;
+  enum rad_code code = rad_read_choice(y, node, key, choice, &number);
+  *value = number;
+  return code;
+}
+
 static enum rad_code read_key(struct rad_yaml *y, const struct rad_yaml_node *node,
                               const struct rad_key *key, char *base) {
   void *to = base + key->offset;

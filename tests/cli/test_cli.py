@@ -641,6 +641,33 @@ class Study(Case):
         self.assertEqual(len(errors), 3)
         self.assertTrue(errors[0] > errors[1] > errors[2] > 0, errors)
 
+    def test_runs_of_different_scenes_are_not_compared(self):
+        """A varied rho makes problems of their own: each has its reference, last or named."""
+        for reference in ("last", "{mesh: graded, grading: 2, degree: 3, elements: 1}"):
+            study = f"study={{vary: {{method.elements: [1, 2, 3]}}, reference: {reference}}}"
+            apart = [row[2:4] for rho in ("0.1", "0.7")
+                     for row in self.table(self.done("study", "deck.yml", "--set", study, "--set",
+                                                     f"scene.triangles.0.rho={rho}").stdout)]
+            both = study.replace("vary: {", "vary: {scene.triangles.0.rho: [0.1, 0.7], ")
+            text = self.done("study", "deck.yml", "--set", both).stdout
+            self.assertEqual([row[3:5] for row in self.table(text)], apart)
+            self.assertIn("of the same scene", text)
+            other = study.replace(
+                "[1, 2, 3]", "[1, 2, 3], scene.triangles.0.rho: [0.1, 0.7]")
+            rows = self.table(self.done("study", "deck.yml", "--set", other).stdout)
+            self.assertEqual([row[3:5] for row in rows[::2] + rows[1::2]], apart)
+
+    def test_stability(self):
+        text = self.done("study", "deck.yml", "--set",
+                         "study={vary: {method.elements: [1, 2]}, stability: true}",
+                         "-o", "table.h5").stdout
+        self.assertIn("|inverse|", text)
+        info = self.done("info", "table.h5").stdout
+        for word in ("inverse_norm", "inverse_matrix", "condition", "spectral_radius"):
+            self.assertIn(word, info)
+        self.assertIn("'stability' cannot be 'maybe'",
+                      self.refused(2, "study", "deck.yml", "--set", "study.stability=maybe"))
+
     def test_default_name_and_quiet(self):
         self.assertEqual(self.done("study", "deck.yml", "--quiet").stdout, "")
         self.assertEqual(self.files(), ["cube_corner_study.h5", "deck.yml"])

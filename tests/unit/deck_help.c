@@ -81,4 +81,5 @@ const char full_deck[FULL_DECK] =
     "    scene.triangles.0.rho: [0.5, [0, 1]]\n"
     "    scene.surfaces.wall.1.rho: [0.25]\n"
     "    title: ['a, \"b\"', plain text]\n"
-    "  reference: {degree: 9, elements: 1, mesh: uniform}\n";
+    "  reference: {degree: 9, elements: 1, mesh: uniform}\n"
+    "  stability: true\n";

@@ -81,7 +81,7 @@ START_TEST(every_key_of_the_other_sections) {
   ck_assert_int_eq(d.output.sampling, 64);
   ck_assert_uint_eq(d.output.fields, RAD_FIELD_IRRADIANCE);
   const struct rad_deck_study *s = &d.study;
-  ck_assert(s->present);
+  ck_assert(s->present && s->stability);
   ck_assert_int_eq(s->n_vary, 4);
   ck_assert_str_eq(s->vary[0].key, "method.elements");
   ck_assert_int_eq(s->vary[0].n, 3);
@@ -136,7 +136,7 @@ START_TEST(defaults) {
   ck_assert_str_eq(d.output.file, file);
   ck_assert_int_eq(d.output.sampling, 4);
   ck_assert_uint_eq(d.output.fields, 0);
-  ck_assert(d.study.present && d.study.n_reference == 0);
+  ck_assert(d.study.present && d.study.n_reference == 0 && !d.study.stability);
   rad_deck_free(&d);
 }
 END_TEST
