@@ -5,21 +5,12 @@
 
 #include "base/memory.h"
 #include "base/vec.h"
+#include "integrate/classes.h"
 #include "integrate/far.h"
 #include "integrate/near.h"
 #include "integrate/strips.h"
 #include "visibility/facing.h"
 #include "visibility/irradiance.h"
-
-enum { N_CLASS = 2 * RAD_N_ORDER + 1 }; /* pairs of rules, nearest last; NEAR comes after them */
-
-/* Which pair of rules suffices from which distance on. */
-struct classes {
-  int n;
-  double d2[N_CLASS]; /* squared distance from center, descending */
-  int angular[N_CLASS], radial[N_CLASS];
-  double center[2];
-};
 
 enum rad_code rad_scratch_init(const struct rad_mesh *mesh, struct rad_scratch *s,
                                struct rad_error *e) {
@@ -31,8 +22,8 @@ enum rad_code rad_scratch_init(const struct rad_mesh *mesh, struct rad_scratch *
   }
   *s = (struct rad_scratch){.far = rad_alloc(most * RAD_TILE, sizeof(double)),
                             .frame = rad_alloc(3 * RAD_BATCH, sizeof(double)),
-                            .list = rad_alloc((N_CLASS + 1) * RAD_BATCH, sizeof(int)),
-                            .count = rad_alloc(N_CLASS + 1, sizeof(int)),
+                            .list = rad_alloc((RAD_N_CLASS + 1) * RAD_BATCH, sizeof(int)),
+                            .count = rad_alloc(RAD_N_CLASS + 1, sizeof(int)),
                             .row = rad_alloc(RAD_BATCH, sizeof(int)),
                             .frame_whole = rad_alloc(3 * RAD_BATCH, sizeof(double)),
                             .row_whole = rad_alloc(RAD_BATCH, sizeof(int))};
@@ -53,45 +44,6 @@ void rad_scratch_free(struct rad_scratch *s) {
   *s = (struct rad_scratch){0};
 }
 
-/* Distances at which the rules of an element suffice (theory 3.5): its longest segments of each
- * direction, and how far their middles lie from the element's. */
-static void set_classes(const struct rad_patch *patch, const struct rad_element *e,
-                        const struct rad_panel *angular, const struct rad_panel *radial,
-                        struct classes *c) {
-  double t0 = rad_angle_t(patch->angle, rad_graded(e->sigma[0], e->p_phi));
-  double t1 = rad_angle_t(patch->angle, rad_graded(e->sigma[1], e->p_phi));
-  double r0 = rad_graded(e->tau[0], e->p_r), r1 = rad_graded(e->tau[1], e->p_r);
-  double t = 0.5 * (t0 + t1), r = 0.5 * (r0 + r1), b = hypot(patch->b1, patch->b2);
-  double ray0 = hypot(patch->a1 + t0 * patch->b1, t0 * patch->b2);
-  double ray1 = hypot(patch->a1 + t1 * patch->b1, t1 * patch->b2);
-  double half_t = 0.5 * r1 * b * (t1 - t0), half_r = 0.5 * (r1 - r0) * fmax(ray0, ray1);
-  double off_t = half_r, off_r = 0.5 * r * b * (t1 - t0);
-  c->center[0] = r * (patch->a1 + t * patch->b1);
-  c->center[1] = r * t * patch->b2;
-  c->n = 0;
-  int ot = 0, orr = 0;
-  double from_t = off_t + half_t * angular->reach[0], from_r = off_r + half_r * radial->reach[0];
-  while (1) {
-    double from = fmax(from_t, from_r);
-    if (isfinite(from)) {
-      c->d2[c->n] = from * from;
-      c->angular[c->n] = ot;
-      c->radial[c->n++] = orr;
-    }
-    if (from_t >= from_r ? ++ot == RAD_N_ORDER : ++orr == RAD_N_ORDER)
-      break;
-    from_t = off_t + half_t * angular->reach[ot];
-    from_r = off_r + half_r * radial->reach[orr];
-  }
-}
-
-static int class_of(const struct classes *c, double d2) {
-  int i = 0;
-  while (i < c->n && d2 < c->d2[i])
-    i++;
-  return i < c->n ? i : N_CLASS;
-}
-
 /* Targets that one element is integrated for, in the frame of its patch. */
 struct batch {
   int n;
@@ -101,10 +53,11 @@ struct batch {
 
 /* Sort targets in front of the source into lists by rule; groups of eight share one where they can.
  */
-static void sort_targets(const struct classes *c, const struct batch *t, struct rad_scratch *s) {
+static void sort_targets(const struct rad_classes *c, const struct batch *t,
+                         struct rad_scratch *s) {
   enum { GROUP = 8 };
   const double *restrict x = t->frame, *restrict y = x + RAD_BATCH, *restrict z = y + RAD_BATCH;
-  for (int i = 0; i <= N_CLASS; i++)
+  for (int i = 0; i <= RAD_N_CLASS; i++)
     s->count[i] = 0;
   for (int g = 0; g < t->n; g += GROUP) {
     double d2[GROUP], least = INFINITY;
@@ -114,9 +67,9 @@ static void sort_targets(const struct classes *c, const struct batch *t, struct 
       d2[i] = dx * dx + dy * dy + dz * dz;
       least = fmin(least, d2[i]);
     }
-    int all = class_of(c, least);
+    int all = rad_class_of(c, least);
     for (int i = 0; i < m; i++) {
-      int one = all == N_CLASS ? class_of(c, d2[i]) : all;
+      int one = all == RAD_N_CLASS ? rad_class_of(c, d2[i]) : all;
       s->list[one * RAD_BATCH + s->count[one]++] = g + i;
     }
   }
@@ -137,17 +90,17 @@ static void store(const struct rad_element *e, const double *value, int stride, 
   }
 }
 
+/* Targets of a list by one pair of rules. */
 static void far_targets(const struct rad_mesh *mesh, const struct rad_rules *rules, int element,
-                        const struct rad_view *view, const struct classes *c, int one,
-                        const struct batch *t, double *k, int64_t ld, struct rad_scratch *s) {
+                        const struct rad_view *view, const int rule[2], const struct batch *t,
+                        const int *list, int n_list, double *k, int64_t ld, struct rad_scratch *s) {
   const struct rad_element *e = &mesh->element[element];
   const struct rad_panel *angular = &rules->panel[rules->angular[element]];
   const struct rad_panel *radial = &rules->panel[rules->radial[element]];
-  const int *list = s->list + one * RAD_BATCH;
   const double *x = t->frame, *y = x + RAD_BATCH, *z = y + RAD_BATCH;
   double *out = s->far;
-  for (int start = 0; start < s->count[one]; start += RAD_TILE) {
-    int n = s->count[one] - start < RAD_TILE ? s->count[one] - start : RAD_TILE;
+  for (int start = 0; start < n_list; start += RAD_TILE) {
+    int n = n_list - start < RAD_TILE ? n_list - start : RAD_TILE;
     struct rad_tile tile;
     for (int i = 0; i < n; i++) {
       int j = list[start + i];
@@ -155,8 +108,7 @@ static void far_targets(const struct rad_mesh *mesh, const struct rad_rules *rul
       tile.y[i] = y[j];
       tile.z[i] = z[j];
     }
-    rad_far(&mesh->patch[e->patch], view, angular, c->angular[one], radial, c->radial[one], &tile,
-            n, out);
+    rad_far(&mesh->patch[e->patch], view, angular, rule[0], radial, rule[1], &tile, n, out);
     if (e->fold) {
       for (int i = 0; i < n; i++)
         store(e, out + i, RAD_TILE, k + t->row[list[start + i]], ld);
@@ -165,8 +117,7 @@ static void far_targets(const struct rad_mesh *mesh, const struct rad_rules *rul
         for (int i = 0; i < n; i++)
           k[t->row[list[start + i]] + ld * b] = out[b * RAD_TILE + i];
     }
-    s->counters.kernel_values +=
-        (int64_t)n * rad_order[c->angular[one]] * rad_order[c->radial[one]];
+    s->counters.kernel_values += (int64_t)n * rad_order[rule[0]] * rad_order[rule[1]];
     s->counters.far += n;
   }
 }
@@ -205,21 +156,47 @@ static void near_target(struct rad_near *w, const struct rad_strip *strip, int n
   s->counters.kernel_values += w->n_kernel;
 }
 
+/* Targets near a whole element: those beside it still by rules, in groups of neighbours. */
+static void close_block(const struct rad_mesh *mesh, const struct rad_rules *rules, int element,
+                        const struct rad_view *view, const struct rad_classes *classes,
+                        const struct batch *t, double *k, int64_t ld, struct rad_scratch *s) {
+  enum { GROUP = 16 };
+  const struct rad_element *e = &mesh->element[element];
+  const int *list = s->list + RAD_N_CLASS * RAD_BATCH;
+  struct rad_strip strip = rad_strip_whole(e);
+  struct rad_near w = near_work(mesh, rules, view, e);
+  int group[GROUP], n = 0, most[2] = {0, 0};
+  for (int i = 0; i < s->count[RAD_N_CLASS]; i++) {
+    int rule[2], j = list[i];
+    double x[3] = {t->frame[j], t->frame[RAD_BATCH + j], t->frame[2 * RAD_BATCH + j]};
+    if (!rad_class_close(classes, x, rule)) {
+      near_target(&w, &strip, 1, t, j, k, ld, s);
+      continue;
+    }
+    group[n++] = j;
+    for (int d = 0; d < 2; d++)
+      most[d] = rule[d] > most[d] ? rule[d] : most[d];
+    if (n == GROUP) {
+      far_targets(mesh, rules, element, view, most, t, group, n, k, ld, s);
+      n = most[0] = most[1] = 0;
+    }
+  }
+  far_targets(mesh, rules, element, view, most, t, group, n, k, ld, s);
+}
+
 /* A whole element in front of all targets of a batch, which see all of it. */
 static void whole_block(const struct rad_mesh *mesh, const struct rad_rules *rules, int element,
                         const struct rad_view *view, const struct batch *t, double *k, int64_t ld,
                         struct rad_scratch *s) {
   const struct rad_element *e = &mesh->element[element];
-  struct classes classes;
-  set_classes(&mesh->patch[e->patch], e, &rules->panel[rules->angular[element]],
-              &rules->panel[rules->radial[element]], &classes);
+  struct rad_classes classes;
+  rad_classes_set(&mesh->patch[e->patch], e, &rules->panel[rules->angular[element]],
+                  &rules->panel[rules->radial[element]], &classes);
   sort_targets(&classes, t, s);
   for (int one = 0; one < classes.n; one++)
-    far_targets(mesh, rules, element, view, &classes, one, t, k, ld, s);
-  struct rad_strip strip = rad_strip_whole(e);
-  struct rad_near w = near_work(mesh, rules, view, e);
-  for (int i = 0; i < s->count[N_CLASS]; i++)
-    near_target(&w, &strip, 1, t, s->list[N_CLASS * RAD_BATCH + i], k, ld, s);
+    far_targets(mesh, rules, element, view, classes.rule[one], t, s->list + one * RAD_BATCH,
+                s->count[one], k, ld, s);
+  close_block(mesh, rules, element, view, &classes, t, k, ld, s);
 }
 
 /* Lambert's formula for constants on visible parts (theory 3.15). */

@@ -4,7 +4,7 @@
 
 #include "mesh/mesh.h"
 
-enum { RAD_N_ORDER = 14 };
+enum { RAD_N_ORDER = 17 };
 extern const int rad_order[RAD_N_ORDER]; /* points per direction, ascending */
 
 /**
@@ -38,9 +38,10 @@ void rad_rules_free(struct rad_rules *rules); /* safe twice */
 
 /**
  * reach[o]: the least D such that rule o integrates
- *   T_{k-1} (1 + z) J / |z - zeta|^4   for every |zeta| = D, z in [-1, 1] the position,
- * to the tolerance, relative to the integral without T_{k-1} (theory 3.5). D is the distance of x
- * from the middle of the segment over the segment's half length. INFINITY if never. J: see weight.
+ *   T_{k-1} (1 + z) J / |z - zeta|^4   for every |zeta - 1| + |zeta + 1| = 2 D,
+ * z in [-1, 1] the position, to the tolerance, relative to the integral without T_{k-1} (theory
+ * 3.5). D is the sum of the distances of x from the ends of the segment over its length, which is
+ * not less than that from the middle over the half length. INFINITY if never. J: see weight.
  */
 void rad_panel_reach(const struct rad_gauss *g, const struct rad_panel *panel, double tolerance,
                      double reach[RAD_N_ORDER]);
