@@ -37,6 +37,7 @@ static void set_program(struct rad_hdf *h, hid_t group) {
   rad_hdf_set_text(h, group, "blas", program.blas);
   rad_hdf_set_integer(h, group, "blas_parallel", program.blas_parallel);
   rad_hdf_set_text(h, group, "hdf5", hdf5);
+  rad_hdf_set_text(h, group, "machine", program.machine);
 }
 
 hid_t rad_stamp(struct rad_hdf *h, const struct rad_deck *deck, const char *command, int threads,

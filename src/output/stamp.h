@@ -7,7 +7,7 @@
 
 /**
  * Create /polyrad with its attributes: title, bands, version, git_revision, compiler, flags, blas,
- * blas_parallel, hdf5, threads, started, deck (the text), command.
+ * blas_parallel, hdf5, machine, threads, started, deck (the text), command.
  *
  * @param[in] started  seconds since 1970-01-01 UTC, written as ISO 8601
  * @return the open group, for more attributes and children; to be closed with rad_hdf_group_close

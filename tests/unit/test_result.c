@@ -76,8 +76,8 @@ START_TEST(test_layout) {
 END_TEST
 
 START_TEST(test_provenance) {
-  static const char *const text[] = {"version", "git_revision", "compiler", "flags",  "blas",
-                                     "hdf5",    "started",      "deck",     "command"};
+  static const char *const text[] = {"version", "git_revision", "compiler", "flags", "blas",
+                                     "hdf5",    "machine",      "started",  "deck",  "command"};
   char path[128];
   struct fixture *f = make(2, 1);
   write_ok(in_folder("a.vtkhdf", path), f);

@@ -2,25 +2,13 @@
 
 from pathlib import Path
 
-import h5py
 import numpy as np
 
 import view as space
 from result import Problem, Result, names_in, parser, run, save
+from study_table import table
 
 MARKERS = "osD^vP*X"
-
-
-def table(result: Result) -> dict[str, np.ndarray]:
-    """The columns of a study, by name."""
-    group = result.file.get("polyrad/study") or result.file.get("study")
-    if not isinstance(group, h5py.Group):
-        raise Problem(f"{result.path} holds no study; was it written by polyrad study?")
-    columns = {name: group[name][()] for name in group if group[name].ndim == 1}
-    for name in ("unknowns", "error"):
-        if name not in columns:
-            raise Problem(f"the study in {result.path} has no column '{name}'")
-    return columns
 
 
 def curves(columns: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
