@@ -4,6 +4,7 @@
 #include <omp.h>
 #include <stdlib.h>
 
+#include "app/checkpoint.h"
 #include "base/clock.h"
 #include "base/memory.h"
 
@@ -111,10 +112,18 @@ static enum rad_code choose_matrix(struct rad_case *c, struct rad_error *e) {
   return refuse_too_large(c, e);
 }
 
+enum rad_code rad_case_keep_form(struct rad_case *c, enum rad_matrix form, struct rad_error *e) {
+  if (c->plan.matrix == form)
+    return RAD_OK;
+  c->deck.method.matrix = form;
+  plan(c);
+  return form == RAD_MATRIX_DENSE ? refuse_too_large(c, e) : choose_matrix(c, e);
+}
+
 enum rad_code rad_case_prepare(const char *deck, int n_set, const char *const *set,
                                struct rad_progress *progress, struct rad_case *c,
                                struct rad_error *e) {
-  *c = (struct rad_case){0};
+  *c = (struct rad_case){.n_set = n_set, .set = set};
   double start = rad_seconds();
   rad_progress_phase(progress, "scene");
   enum rad_code code = rad_deck_read(deck, n_set, set, &c->deck, e);
@@ -236,13 +245,17 @@ static enum rad_code solve_adaptive(struct rad_case *c, struct rad_error *e) {
 
 /* The matrix that the plan chose. */
 static enum rad_code assemble(struct rad_case *c, struct rad_operator *k, struct rad_error *e) {
-  enum rad_code code;
-  if (c->plan.matrix == RAD_MATRIX_DENSE) {
-    code = rad_dense_assemble(c->mesh, &c->rules, NULL, &c->dense, e);
+  int is_dense = c->plan.matrix == RAD_MATRIX_DENSE;
+  enum rad_code code = is_dense ? rad_dense_begin(c->mesh, NULL, &c->dense, e)
+                                : rad_h2_begin(c->mesh, c->rules.tolerance, &c->h2, e);
+  if (!code && c->restart)
+    code = rad_case_restore(c, e);
+  if (is_dense) {
     *k = rad_operator_dense(&c->dense);
-    return code;
+    return code ? code : rad_dense_finish(&c->rules, NULL, &c->dense, e);
   }
-  code = rad_h2_build(c->mesh, &c->rules, c->rules.tolerance, &c->h2, e);
+  if (!code)
+    code = rad_h2_finish(&c->h2, &c->rules, e);
   if (!code)
     code = rad_h2_check(&c->h2, &c->rules, e);
   c->plan.matrix_bytes = c->h2.bytes;
@@ -266,7 +279,8 @@ enum rad_code rad_case_solve(struct rad_case *c, struct rad_error *e) {
     return code;
   c->seconds_assemble = rad_seconds() - start;
   rad_progress_phase(c->scene.progress, "solve");
-  struct rad_solve_options o = {m->solver, m->solver_tolerance, m->bounces, c->rules.tolerance};
+  struct rad_solve_options o = {m->solver, m->solver_tolerance, m->bounces, c->rules.tolerance,
+                                &c->iterate};
   code = rad_solve(&k, &o, c->scene.n_band, c->rho, c->emission, c->u, c->h, &c->report, e);
   int bounded = c->wants_bound && c->mesh->n_point <= MOST_BOUNDED;
   return code || !bounded ? code : estimate_by_hand(c, e);
@@ -297,6 +311,7 @@ void rad_case_free(struct rad_case *c) {
   rad_adaptive_free(&c->adaptive);
   rad_dense_free(&c->dense);
   rad_h2_free(&c->h2);
+  rad_iterate_free(&c->iterate);
   rad_rules_free(&c->rules);
   if (c->mesh)
     rad_mesh_free(c->mesh);

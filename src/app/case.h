@@ -23,6 +23,8 @@ struct rad_plan {
 
 struct rad_case {
   struct rad_deck deck;
+  int n_set;              /* overrides of the deck */
+  const char *const *set; /* borrowed [n_set] */
   struct rad_scene scene; /* points to visibility: a case must not move */
   struct rad_visibility visibility;
   struct rad_notes notes;
@@ -34,6 +36,8 @@ struct rad_case {
   double *rho, *emission; /* owned [n_band, n_point] at the collocation points */
   double *u, *h;          /* owned [n_band, n_point] radiosity and irradiance [W/m2] */
   struct rad_solve_report report;
+  const char *restart;          /* borrowed: a checkpoint to go on from, or NULL */
+  struct rad_iterate iterate;   /* where the solver goes on, or would */
   int is_adaptive;              /* no mesh was asked for by hand: the tolerance decides */
   int wants_bound, has_bound;   /* the error is estimated and bounded, and u* is reported */
   double tolerance;             /* of max |u - u*| over max |u| */
@@ -56,6 +60,9 @@ enum rad_code rad_case_solve(struct rad_case *c, struct rad_error *e);
 void rad_case_warn(const struct rad_case *c, struct rad_notes *notes);
 
 void rad_case_free(struct rad_case *c); /* safe twice */
+
+/* The matrix' form is this one, whatever memory there is. */
+enum rad_code rad_case_keep_form(struct rad_case *c, enum rad_matrix form, struct rad_error *e);
 
 /* Predicted time, from samples of the real work on this machine. */
 enum rad_code rad_case_predict(struct rad_case *c, struct rad_error *e);

@@ -14,6 +14,7 @@ struct rad_command {
   const char *set[RAD_MAX_SET];
   int threads; /* 0: OMP_NUM_THREADS decides */
   int quiet;
+  const char *checkpoint, *restart; /* run: where to write one, where to go on from; or NULL */
   int n_file;
   const char **file;             /* owned [n_file] as named; deck is the first */
   int collects;                  /* study --collect: the files are those of tasks */

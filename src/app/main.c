@@ -7,11 +7,13 @@
 
 #include "app/command.h"
 #include "base/provenance.h"
+#include "base/stop.h"
 
 static const char usage[] =
     "polyrad: diffuse radiosity of scenes made of plane triangles\n"
     "\n"
     "  polyrad run DECK   [-o FILE] [--set KEY=VALUE]... [--threads N] [--quiet]\n"
+    "                     [--checkpoint FILE] [--restart FILE]\n"
     "  polyrad check DECK [--set KEY=VALUE]... [--threads N]\n"
     "  polyrad study DECK [-o FILE] [--set KEY=VALUE]... [--threads N] [--quiet]\n"
     "                     [--tasks | --task I/N]\n"
@@ -31,8 +33,11 @@ static const char usage[] =
     "  --tasks          only name the result files of the study's runs, one a line\n"
     "  --task I/N       only the I-th of the study's N runs, into a result file of its own\n"
     "  --collect        the table from the result files of all tasks\n"
+    "  --checkpoint FILE  on SIGTERM or SIGUSR1 write what is done to FILE and exit with 85\n"
+    "  --restart FILE     go on from such a FILE; that of --checkpoint need not exist yet\n"
     "\n"
-    "Exit codes: 0 done, 1 not converged or singular, 2 deck or usage, 3 file, memory or device.\n";
+    "Exit codes: 0 done, 1 not converged or singular, 2 deck or usage, 3 file, memory or device,\n"
+    "85 stopped, and a checkpoint is written: give the command again with --restart.\n";
 
 typedef enum rad_code verb_function(const struct rad_command *, struct rad_error *);
 
@@ -40,12 +45,13 @@ struct verb {
   const char *name;
   verb_function *function;
   const char *operand;
+  int writes; /* signals are to find no half-written file */
 };
 
-static const struct verb verbs[] = {{"run", rad_app_run, "DECK"},
-                                    {"check", rad_app_check, "DECK"},
-                                    {"study", rad_app_study, "DECK"},
-                                    {"info", rad_app_info, "FILE"}};
+static const struct verb verbs[] = {{"run", rad_app_run, "DECK", 1},
+                                    {"check", rad_app_check, "DECK", 0},
+                                    {"study", rad_app_study, "DECK", 1},
+                                    {"info", rad_app_info, "FILE", 0}};
 
 /* The value of an option: the rest of the word after '=', or the next word. */
 static const char *value_of(int argc, char **argv, int *i, size_t name_length) {
@@ -94,6 +100,14 @@ static enum rad_code parse_study_word(int argc, char **argv, int *i, struct rad_
   return RAD_OK;
 }
 
+static enum rad_code parse_file(const char *text, const char *option, const char **file,
+                                struct rad_error *e) {
+  if (!text || !*text)
+    return rad_fail(e, RAD_EINPUT, "error: %s needs a file name", option);
+  *file = text;
+  return RAD_OK;
+}
+
 /* One word of the command line after the verb. */
 static enum rad_code parse_word(int argc, char **argv, int *i, struct rad_command *c,
                                 struct rad_error *e) {
@@ -117,6 +131,10 @@ static enum rad_code parse_word(int argc, char **argv, int *i, struct rad_comman
     c->set[c->n_set++] = value;
   } else if (is_option(word, "--threads")) {
     return parse_threads(value_of(argc, argv, i, 9), &c->threads, e);
+  } else if (is_option(word, "--checkpoint")) {
+    return parse_file(value_of(argc, argv, i, 12), "--checkpoint", &c->checkpoint, e);
+  } else if (is_option(word, "--restart")) {
+    return parse_file(value_of(argc, argv, i, 9), "--restart", &c->restart, e);
   } else if (word[0] == '-' && word[1]) {
     return rad_fail(e, RAD_EINPUT, "error: unknown option '%s'; polyrad --help lists them", word);
   } else {
@@ -155,6 +173,11 @@ static enum rad_code check_files(const struct verb *verb, struct rad_command *c,
   if (c->n_file > 1 && !c->collects)
     return rad_fail(e, RAD_EINPUT, "error: one file at a time, but got '%s' and '%s'", c->file[0],
                     c->file[1]);
+  if ((c->checkpoint || c->restart) && strcmp(c->verb, "run") != 0 && !c->n_task)
+    return rad_fail(e, RAD_EINPUT, /* not heeded, it would be missed when it is too late */
+                    "error: --checkpoint and --restart are for polyrad run and study --task; "
+                    "polyrad %s has no checkpoints",
+                    c->verb);
   c->deck = c->file[0];
   return RAD_OK;
 }
@@ -175,6 +198,8 @@ static enum rad_code run_verb(const struct verb *verb, int argc, char **argv, st
   if (asks_help && !code)
     fputs(usage, stdout);
   else if (!code && !(code = check_files(verb, &c, e))) {
+    if (verb->writes)
+      rad_stop_on_signals();
     if (c.threads)
       omp_set_num_threads(c.threads);
     c.line = line;
@@ -202,6 +227,8 @@ int main(int argc, char **argv) {
       enum rad_code code = run_verb(&verbs[i], argc, argv, &e);
       if (code)
         fprintf(stderr, "%s\n", e.text);
+      if (code == RAD_ESTOPPED)
+        rad_stop_die();
       if (fflush(stdout) && !code) {
         fprintf(stderr, "error: the summary could not be written to standard output\n");
         return RAD_ESYSTEM;

@@ -5,9 +5,11 @@
 #include <sys/stat.h>
 
 #include "app/case.h"
+#include "app/checkpoint.h"
 #include "app/command.h"
 #include "app/study.h"
 #include "base/memory.h"
+#include "output/save.h"
 #include "output/stamp.h"
 #include "output/thermal.h"
 
@@ -223,16 +225,26 @@ static enum rad_code print_heat(const struct rad_case *c, const struct rad_resul
   return code;
 }
 
+static int is_same_file(const char *a, const char *b) {
+  struct stat x, y;
+  return !strcmp(a, b) || (!stat(a, &x) && !stat(b, &y) && x.st_ino == y.st_ino &&
+                           x.st_dev == y.st_dev && S_ISREG(x.st_mode));
+}
+
 /* Writing over the deck would lose it. */
-static enum rad_code refuse_overwrite(const struct rad_case *c, const char *path,
+static enum rad_code refuse_overwrite(const struct rad_case *c, const struct rad_command *command,
                                       struct rad_error *e) {
-  struct stat deck, target;
-  if (stat(c->deck.path, &deck) || stat(path, &target) || deck.st_ino != target.st_ino ||
-      deck.st_dev != target.st_dev)
-    return RAD_OK;
-  return rad_fail(e, RAD_EINPUT,
-                  "%s: error: the result would overwrite the deck; give another file by -o",
-                  c->deck.path);
+  const char *path = command->output ? command->output : c->deck.output.file;
+  if (is_same_file(c->deck.path, path))
+    return rad_fail(e, RAD_EINPUT,
+                    "%s: error: the result would overwrite the deck; give another file by -o",
+                    c->deck.path);
+  if (command->checkpoint &&
+      (is_same_file(c->deck.path, command->checkpoint) || is_same_file(path, command->checkpoint)))
+    return rad_fail(e, RAD_EINPUT,
+                    "error: the checkpoint would overwrite the deck or the result; give another "
+                    "file by --checkpoint");
+  return command->checkpoint ? rad_save_try(command->checkpoint, e) : RAD_OK;
 }
 
 static void warn(const struct rad_case *c, FILE *log) {
@@ -283,14 +295,16 @@ enum rad_code rad_app_run(const struct rad_command *command, struct rad_error *e
   struct rad_case c;
   struct rad_progress line, *progress = command->quiet ? NULL : &line;
   double started = rad_stamp_now();
+  const char *restart = rad_restart_find(command);
   rad_progress_init(&line, command->log);
   enum rad_code code =
       rad_case_prepare(command->deck, command->n_set, command->set, progress, &c, e);
   rad_progress_clear(progress);
   print_notes(&c, command->log);
-  if (!code) {
-    code = refuse_overwrite(&c, command->output ? command->output : c.deck.output.file, e);
-  }
+  if (!code)
+    code = refuse_overwrite(&c, command, e);
+  if (!code && restart)
+    code = rad_case_restart(&c, restart, e);
   if (!code) {
     if (!command->quiet)
       print_head(&c, command->out);
@@ -313,6 +327,8 @@ enum rad_code rad_app_run(const struct rad_command *command, struct rad_error *e
     struct rad_error second; /* the first error is the one to report */
     output(&c, command, started, &second);
   }
+  if (code == RAD_ESTOPPED)
+    code = rad_case_stopped(&c, command, started, e);
   rad_case_free(&c);
   return code;
 }

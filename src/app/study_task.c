@@ -5,6 +5,7 @@
 
 #include "app/study.h"
 #include "base/memory.h"
+#include "base/text.h"
 
 static enum rad_code refuse_number(const struct rad_study_plan *p, struct rad_error *e) {
   const struct rad_command *c = p->command;
@@ -21,16 +22,6 @@ static enum rad_code refuse_number(const struct rad_study_plan *p, struct rad_er
                   c->task, c->n_task, c->n_task, n, n, n);
 }
 
-static char *join(int n, const char *const *set) {
-  size_t size = 1;
-  for (int i = 0; i < n; i++)
-    size += strlen(set[i]) + 1;
-  char *text = rad_calloc(size, 1), *end = text;
-  for (int i = 0; i < n && text; i++)
-    end += sprintf(end, "%s%s", i ? "\n" : "", set[i]);
-  return text;
-}
-
 /* All but what is solved for. */
 static enum rad_code describe(const struct rad_study_plan *p, struct rad_task *t,
                               struct rad_error *e) {
@@ -41,7 +32,7 @@ static enum rad_code describe(const struct rad_study_plan *p, struct rad_task *t
                          .n_row = p->n_row,
                          .n_inner = p->n_inner,
                          .grid = strdup(rad_grid_name[p->grid]),
-                         .overrides = join(p->command->n_set, p->command->set),
+                         .overrides = rad_join_lines(p->command->n_set, p->command->set),
                          .table = rad_study_file(p, "_study", ".h5"),
                          .n_key = d->n_vary,
                          .key = rad_calloc((size_t)d->n_vary, sizeof *t->key),

@@ -6,9 +6,11 @@
 /* The values are the program's exit codes (docs/format.md). */
 enum rad_code {
   RAD_OK = 0,
-  RAD_ENUMERIC = 1, /* singular, not converged, not finite */
-  RAD_EINPUT = 2,   /* deck, scene or command line */
-  RAD_ESYSTEM = 3   /* file, memory or device */
+  RAD_ENUMERIC = 1,    /* singular, not converged, not finite */
+  RAD_EINPUT = 2,      /* deck, scene or command line */
+  RAD_ESYSTEM = 3,     /* file, memory or device */
+  RAD_ESTOPPED = 4,    /* by a signal; main then dies by it, so that this is no exit code */
+  RAD_ECHECKPOINT = 85 /* stopped, and a checkpoint is written: start the run again from it */
 };
 
 struct rad_error {

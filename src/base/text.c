@@ -1,7 +1,10 @@
 #include "base/text.h"
 
 #include <ctype.h>
+#include <stdio.h>
 #include <string.h>
+
+#include "base/memory.h"
 
 enum { MAX_WORD = 63 };
 
@@ -66,4 +69,14 @@ int rad_edit_distance(const char *a, const char *b, bool forgiving) {
     now = oldest;
   }
   return above[n];
+}
+
+char *rad_join_lines(int n, const char *const *text) {
+  size_t size = 1;
+  for (int i = 0; i < n; i++)
+    size += strlen(text[i]) + 1;
+  char *all = rad_calloc(size, 1), *end = all;
+  for (int i = 0; i < n && all; i++)
+    end += sprintf(end, "%s%s", i ? "\n" : "", text[i]);
+  return all;
 }

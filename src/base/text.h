@@ -12,6 +12,9 @@ int rad_utf8_decode(const char *p, size_t n, unsigned *code);
  * whatever of the user's text it quotes or cuts. */
 void rad_make_printable(char *text);
 
+/* Texts, one a line; owned, or NULL without memory. */
+char *rad_join_lines(int n, const char *const *text);
+
 /**
  * Letters to insert, delete or replace to come from a to b; of each word the first 63 count.
  *

@@ -99,7 +99,8 @@ static enum rad_code solve_level(const struct rad_scene *scene, const struct rad
   a->seconds_assemble += rad_seconds() - start;
   if (!code)
     code = set_data(scene, a, e);
-  struct rad_solve_options o = {g->solver, g->solver_tolerance, 0, a->rules.tolerance};
+  struct rad_solve_options o = {
+      .solver = g->solver, .tolerance = g->solver_tolerance, .quadrature = a->rules.tolerance};
   if (o.tolerance == 0)
     o.tolerance = fmax(SOLVER_PART * g->tolerance, 1e-14);
   struct rad_operator k = rad_operator_dense(&a->dense);
@@ -141,7 +142,8 @@ static enum rad_code set_element_bound(struct rad_adaptive *a, struct rad_error 
         right[el->first + f] =
             safety_of(a->layout.scene) * a->indicator.local[i] + 2 * a->quadrature;
     }
-    struct rad_linear system = {a->rho + (size_t)b * n, right, z, 1e-6, 0};
+    struct rad_linear system = {
+        .rho = a->rho + (size_t)b * n, .emission = right, .u = z, .tolerance = 1e-6};
     code = rad_gmres(&k, 1, &system, e);
     for (int i = 0; i < a->mesh->n_element && !code; i++) {
       const struct rad_element *el = &a->mesh->element[i];

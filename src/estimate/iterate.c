@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "base/stop.h"
 
 /* Memory of one thread: the rows of a batch, at most about 16 MB. */
 struct worker {
@@ -73,9 +74,12 @@ enum rad_code rad_visit_rows(const struct rad_mesh *mesh, const struct rad_rules
       int at = first[i], thread = omp_get_thread_num();
       struct rad_targets t = {p->triangle[at], first[i + 1] - at, p->base + at, p->mu + at, NULL};
       fill(mesh, rules, sees, &t, &worker[thread]);
-      visit(context, thread, at, t.n, worker[thread].row);
+      if (!rad_stop_asked()) /* else the row is not whole */
+        visit(context, thread, at, t.n, worker[thread].row);
       rad_progress_add(progress, t.n);
     }
+    if (rad_stop_asked())
+      code = rad_fail_stopped(e);
   }
   for (int t = 0; worker && t < n_thread; t++) {
     if (!code && worker[t].scratch.shade.failed)

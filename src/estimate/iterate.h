@@ -21,6 +21,7 @@ typedef void rad_row_visitor(void *context, int thread, int first, int m, const 
  *
  * @param[in]  sees  [n_triangle, n_triangle] of the scene's visibility
  * @param      visit called once a batch, from the thread that made it
+ * @return RAD_ESTOPPED once rad_stop_asked(); then some batches were not visited
  */
 enum rad_code rad_visit_rows(const struct rad_mesh *mesh, const struct rad_rules *rules,
                              const unsigned char *sees, const struct rad_point_list *points,

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
+#include "base/stop.h"
 #include "base/vec.h"
 #include "integrate/classes.h"
 #include "integrate/far.h"
@@ -309,7 +310,8 @@ void rad_patch_block(const struct rad_mesh *mesh, const struct rad_rules *rules,
                      double *k, int64_t ld, struct rad_scratch *s) {
   struct scene_of_batch b;
   begin(mesh, targets, patch, &b, s);
-  for (int i = mesh->element_first[patch]; i < mesh->element_first[patch + 1]; i++)
+  for (int i = mesh->element_first[patch]; i < mesh->element_first[patch + 1] && !rad_stop_asked();
+       i++)
     if (!wanted || wanted[i])
       element_block(mesh, rules, i, &b.view, targets->triangle, b.across, b.shaded,
                     k + ld * mesh->element[i].first, ld, s);
@@ -320,7 +322,7 @@ void rad_element_list_block(const struct rad_mesh *mesh, const struct rad_rules 
                             const int64_t *column, double *k, int64_t ld, struct rad_scratch *s) {
   struct scene_of_batch b;
   begin(mesh, targets, mesh->element[element[0]].patch, &b, s);
-  for (int i = 0; i < n; i++)
+  for (int i = 0; i < n && !rad_stop_asked(); i++)
     element_block(mesh, rules, element[i], &b.view, targets->triangle, b.across, b.shaded,
                   k + ld * column[i], ld, s);
 }

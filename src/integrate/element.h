@@ -46,7 +46,8 @@ void rad_scratch_free(struct rad_scratch *s); /* safe twice */
  * @param[in]  wanted   [mesh->n_element] which elements of the patch, or NULL: all
  * @param[out] k        k[row + ld * unknown], written for the unknowns of the patch only
  * Every entry to rules->tolerance of the row's sum over its element. Thread-safe with its own
- * scratch; no allocation. Pairs that see nothing of each other are set to 0.
+ * scratch; no allocation. Pairs that see nothing of each other are set to 0. Left early once
+ * rad_stop_asked(): what is returned then is to be thrown away.
  */
 void rad_patch_block(const struct rad_mesh *mesh, const struct rad_rules *rules,
                      const struct rad_targets *targets, int patch, const unsigned char *wanted,

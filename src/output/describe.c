@@ -8,6 +8,7 @@
 #include "output/hdf.h"
 #include "output/report.h"
 #include "output/result.h"
+#include "output/seal.h"
 
 enum { MAX_SHOWN = 50, MAX_DEPTH = 8 }; /* rows of a list; nesting of groups */
 
@@ -218,11 +219,15 @@ static void say_all(FILE *out, const char *path, hid_t file, hid_t root) {
                                         "mean_net_flux", "net_power",      "temperature"};
   static const char *const probe[] = {"position", "radiosity", "irradiance", "net_flux",
                                       "temperature"};
+  char *kind = rad_hdf_get_text(root, "kind");
   fprintf(out, "%s: polyrad %s\n", path,
-          rad_hdf_has(root, "study")  ? "study"
-          : rad_hdf_has(root, "task") ? "result, task of a study"
-                                      : "result");
+          kind                         ? kind
+          : rad_hdf_has(root, "study") ? "study"
+          : rad_hdf_has(root, "task")  ? "result, task of a study"
+                                       : "result");
+  free(kind);
   say_origin(out, root);
+  say_text(out, root, "overrides", "set");
   say_list(out, root, "surfaces", 6, surface);
   say_list(out, root, "probes", 5, probe);
   say_view_factors(out, root);
@@ -234,6 +239,11 @@ static void say_all(FILE *out, const char *path, hid_t file, hid_t root) {
 
 static enum rad_code describe(const char *path, hid_t file, hid_t root, char **text,
                               struct rad_error *e) {
+  char *kind = rad_hdf_get_text(root, "kind");
+  const enum rad_code broken = kind ? rad_seal_check(path, kind, e) : RAD_OK;
+  free(kind);
+  if (broken)
+    return broken;
   size_t size = 0;
   FILE *out = open_memstream(text, &size);
   if (out)

@@ -4,8 +4,10 @@
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "output/save.h"
 
 enum { GROWTH = 1 << 22, COMPRESS_FROM = 1 << 14, CHUNK = 1 << 18, DEFLATE = 4 }; /* bytes, level */
@@ -43,8 +45,7 @@ void rad_hdf_fail(struct rad_hdf *h, const char *fmt, ...) {
   va_end(args);
 }
 
-/* Pass on what an HDF5 call returned; negative is an error about the object `name`. */
-static hid_t check(struct rad_hdf *h, hid_t returned, const char *name) {
+hid_t rad_hdf_check(struct rad_hdf *h, hid_t returned, const char *name) {
   if (returned < 0 && !h->failed) {
     char message[160];
     rad_hdf_message(sizeof message, message);
@@ -55,25 +56,33 @@ static hid_t check(struct rad_hdf *h, hid_t returned, const char *name) {
 
 /* A property list of the given class without object times. */
 static hid_t timeless(struct rad_hdf *h, hid_t class) {
-  const hid_t plist = check(h, H5Pcreate(class), "property list");
+  const hid_t plist = rad_hdf_check(h, H5Pcreate(class), "property list");
   if (!h->failed)
-    check(h, H5Pset_obj_track_times(plist, false), "property list");
+    rad_hdf_check(h, H5Pset_obj_track_times(plist, false), "property list");
   return plist;
 }
 
+hid_t rad_hdf_create(struct rad_hdf *h, const char *name, hid_t access, hsize_t user_block) {
+  const hid_t create = timeless(h, H5P_FILE_CREATE);
+  hid_t file = H5I_INVALID_HID;
+  if (!h->failed) {
+    rad_hdf_check(h, H5Pset_userblock(create, user_block), "file");
+    rad_hdf_check(h, H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V110), "file");
+    file = rad_hdf_check(h, H5Fcreate(name, H5F_ACC_TRUNC, create, access), "file");
+  }
+  H5Pclose(create);
+  return file;
+}
+
 void rad_hdf_begin(struct rad_hdf *h) {
-  *h = (struct rad_hdf){.file = H5I_INVALID_HID};
+  *h = (struct rad_hdf){.file = H5I_INVALID_HID, .memory = -1};
   rad_hdf_silence_begin(&h->silence);
   char name[64]; /* no such file can exist, so HDF5 finds none to look at */
   snprintf(name, sizeof name, "/dev/null/%p", (void *)h);
-  const hid_t access = check(h, H5Pcreate(H5P_FILE_ACCESS), "file");
-  const hid_t create = timeless(h, H5P_FILE_CREATE);
-  if (!h->failed) {
-    check(h, H5Pset_fapl_core(access, GROWTH, false), "file");
-    check(h, H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V110), "file");
-    h->file = check(h, H5Fcreate(name, H5F_ACC_TRUNC, create, access), "file");
-  }
-  H5Pclose(create);
+  const hid_t access = rad_hdf_check(h, H5Pcreate(H5P_FILE_ACCESS), "file");
+  if (!h->failed)
+    rad_hdf_check(h, H5Pset_fapl_core(access, GROWTH, false), "file");
+  h->file = rad_hdf_create(h, name, access, 0);
   H5Pclose(access);
 }
 
@@ -81,10 +90,11 @@ void rad_hdf_begin(struct rad_hdf *h) {
 static const void *image(struct rad_hdf *h, size_t *size) {
   void **memory = NULL;
   if (!h->failed)
-    check(h, H5Fflush(h->file, H5F_SCOPE_GLOBAL), "file");
+    rad_hdf_check(h, H5Fflush(h->file, H5F_SCOPE_GLOBAL), "file");
   if (!h->failed)
-    check(h, H5Fget_vfd_handle(h->file, H5P_DEFAULT, (void **)&memory), "file");
-  const ssize_t n = h->failed ? 0 : (ssize_t)check(h, H5Fget_file_image(h->file, NULL, 0), "file");
+    rad_hdf_check(h, H5Fget_vfd_handle(h->file, H5P_DEFAULT, (void **)&memory), "file");
+  const ssize_t n =
+      h->failed ? 0 : (ssize_t)rad_hdf_check(h, H5Fget_file_image(h->file, NULL, 0), "file");
   if (h->failed)
     return NULL;
   *size = (size_t)n;
@@ -114,25 +124,25 @@ hid_t rad_hdf_group(struct rad_hdf *h, hid_t parent, const char *name) {
   const hid_t create = timeless(h, H5P_GROUP_CREATE);
   hid_t group = H5I_INVALID_HID;
   if (!h->failed)
-    check(h, H5Pset_link_creation_order(create, H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED),
-          name);
+    rad_hdf_check(
+        h, H5Pset_link_creation_order(create, H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED), name);
   if (!h->failed)
-    group = check(h, H5Gcreate2(parent, name, H5P_DEFAULT, create, H5P_DEFAULT), name);
+    group = rad_hdf_check(h, H5Gcreate2(parent, name, H5P_DEFAULT, create, H5P_DEFAULT), name);
   H5Pclose(create);
   return group;
 }
 
 void rad_hdf_group_close(struct rad_hdf *h, hid_t group) {
   if (group >= 0)
-    check(h, H5Gclose(group), "group");
+    rad_hdf_check(h, H5Gclose(group), "group");
 }
 
 void rad_hdf_link(struct rad_hdf *h, const char *target, const char *name) {
   if (!h->failed)
-    check(h, H5Lcreate_soft(target, h->file, name, H5P_DEFAULT, H5P_DEFAULT), name);
+    rad_hdf_check(h, H5Lcreate_soft(target, h->file, name, H5P_DEFAULT, H5P_DEFAULT), name);
 }
 
-static void type_of(enum rad_hdf_type type, hid_t *memory, hid_t *file) {
+void rad_hdf_type_of(enum rad_hdf_type type, hid_t *memory, hid_t *file) {
   switch (type) {
   case RAD_HDF_REAL:
     *memory = H5T_NATIVE_DOUBLE;
@@ -150,14 +160,18 @@ static void type_of(enum rad_hdf_type type, hid_t *memory, hid_t *file) {
     *memory = H5T_NATIVE_UCHAR;
     *file = H5T_STD_U8LE;
     break;
+  case RAD_HDF_REAL32:
+    *memory = H5T_NATIVE_FLOAT;
+    *file = H5T_IEEE_F32LE;
+    break;
   }
 }
 
 static hid_t text_type(struct rad_hdf *h) {
-  const hid_t type = check(h, H5Tcopy(H5T_C_S1), "text");
+  const hid_t type = rad_hdf_check(h, H5Tcopy(H5T_C_S1), "text");
   if (type >= 0) {
-    check(h, H5Tset_size(type, H5T_VARIABLE), "text");
-    check(h, H5Tset_cset(type, H5T_CSET_UTF8), "text");
+    rad_hdf_check(h, H5Tset_size(type, H5T_VARIABLE), "text");
+    rad_hdf_check(h, H5Tset_cset(type, H5T_CSET_UTF8), "text");
   }
   return type;
 }
@@ -168,14 +182,16 @@ static void set(struct rad_hdf *h, hid_t object, const char *name, hid_t memory,
   if (h->failed)
     return;
   const hsize_t shape = n;
-  const hid_t space = check(h, n ? H5Screate_simple(1, &shape, NULL) : H5Screate(H5S_SCALAR), name);
+  const hid_t space =
+      rad_hdf_check(h, n ? H5Screate_simple(1, &shape, NULL) : H5Screate(H5S_SCALAR), name);
   const hid_t attribute =
-      h->failed ? H5I_INVALID_HID
-                : check(h, H5Acreate2(object, name, file, space, H5P_DEFAULT, H5P_DEFAULT), name);
+      h->failed
+          ? H5I_INVALID_HID
+          : rad_hdf_check(h, H5Acreate2(object, name, file, space, H5P_DEFAULT, H5P_DEFAULT), name);
   if (!h->failed)
-    check(h, H5Awrite(attribute, memory, data), name);
+    rad_hdf_check(h, H5Awrite(attribute, memory, data), name);
   if (attribute >= 0)
-    check(h, H5Aclose(attribute), name);
+    rad_hdf_check(h, H5Aclose(attribute), name);
   if (space >= 0)
     H5Sclose(space);
 }
@@ -193,10 +209,10 @@ void rad_hdf_set_text(struct rad_hdf *h, hid_t object, const char *name, const c
 }
 
 void rad_hdf_set_ascii(struct rad_hdf *h, hid_t object, const char *name, const char *text) {
-  const hid_t type = check(h, H5Tcopy(H5T_C_S1), name);
+  const hid_t type = rad_hdf_check(h, H5Tcopy(H5T_C_S1), name);
   if (type >= 0) {
-    check(h, H5Tset_size(type, strlen(text)), name);
-    check(h, H5Tset_strpad(type, H5T_STR_NULLPAD), name);
+    rad_hdf_check(h, H5Tset_size(type, strlen(text)), name);
+    rad_hdf_check(h, H5Tset_strpad(type, H5T_STR_NULLPAD), name);
   }
   set(h, object, name, type, type, 0, text);
   H5Tclose(type);
@@ -218,38 +234,66 @@ void rad_hdf_set_integers(struct rad_hdf *h, hid_t object, const char *name, siz
 /* Chunks of whole rows, and filters, when the array is worth it. */
 static void set_compression(struct rad_hdf *h, hid_t plist, const struct rad_hdf_array *a,
                             hsize_t bytes) {
-  if (h->failed || !a->data || bytes < COMPRESS_FROM || H5Zfilter_avail(H5Z_FILTER_DEFLATE) <= 0)
+  if (h->failed || h->memory >= 0 || !a->data || bytes < COMPRESS_FROM ||
+      H5Zfilter_avail(H5Z_FILTER_DEFLATE) <= 0)
     return;
   hsize_t chunk[RAD_HDF_MAX_RANK];
   memcpy(chunk, a->shape, sizeof chunk);
   const hsize_t row = bytes / a->shape[0];
   const hsize_t rows = row < CHUNK ? CHUNK / row : 1;
   chunk[0] = rows < a->shape[0] ? rows : a->shape[0];
-  check(h, H5Pset_chunk(plist, a->rank, chunk), a->name);
-  check(h, H5Pset_shuffle(plist), a->name);
-  check(h, H5Pset_deflate(plist, DEFLATE), a->name);
+  rad_hdf_check(h, H5Pset_chunk(plist, a->rank, chunk), a->name);
+  rad_hdf_check(h, H5Pset_shuffle(plist), a->name);
+  rad_hdf_check(h, H5Pset_deflate(plist, DEFLATE), a->name);
 }
 
-/* Create, write, label and close one dataset. Nothing is written for bytes = 0 or data = NULL. */
+/* Room for a dataset's bytes in a large file, which come at its end. */
+static void leave_room(struct rad_hdf *h, hid_t plist, const char *name) {
+  rad_hdf_check(h, H5Pset_alloc_time(plist, H5D_ALLOC_TIME_EARLY), name);
+  rad_hdf_check(h, H5Pset_fill_time(plist, H5D_FILL_TIME_NEVER), name);
+}
+
+/* Remember where the lists of an array go. */
+static void set_pieces(struct rad_hdf *h, hid_t dataset, const char *name, size_t n,
+                       const struct rad_hdf_piece *list) {
+  uint64_t at = H5Dget_offset(dataset);
+  if (at == HADDR_UNDEF)
+    rad_hdf_fail(h, "HDF5 gave '%.80s' no room", name);
+  else if (!rad_reserve((void **)&h->piece, h->n_piece + n, &h->room, sizeof *h->piece))
+    rad_hdf_fail(h, "out of memory for %zu arrays", h->n_piece + n);
+  for (size_t i = 0; i < n && !h->failed; i++) {
+    h->piece[h->n_piece] = list[i];
+    h->piece[h->n_piece++].at = at;
+    at += list[i].bytes;
+  }
+}
+
+/* Create, write, label and close one dataset. Nothing is written for bytes = 0 or data = NULL.
+ * In a large file, from list [n_list]. */
 static void put(struct rad_hdf *h, hid_t parent, const struct rad_hdf_array *a, hid_t memory,
-                hid_t file, hsize_t bytes) {
+                hid_t file, hsize_t bytes, size_t n_list, const struct rad_hdf_piece *list) {
   const hid_t plist = timeless(h, H5P_DATASET_CREATE);
+  const int later = h->memory >= 0 && bytes > 0 && n_list > 0;
+  if (!h->failed && later)
+    leave_room(h, plist, a->name);
   const double unknown = NAN;
   if (!h->failed && !a->data && a->type == RAD_HDF_REAL)
-    check(h, H5Pset_fill_value(plist, H5T_NATIVE_DOUBLE, &unknown), a->name);
+    rad_hdf_check(h, H5Pset_fill_value(plist, H5T_NATIVE_DOUBLE, &unknown), a->name);
   set_compression(h, plist, a, bytes);
   hid_t space = H5I_INVALID_HID, dataset = H5I_INVALID_HID;
   if (!h->failed)
-    space = check(h, H5Screate_simple(a->rank, a->shape, NULL), a->name);
+    space = rad_hdf_check(h, H5Screate_simple(a->rank, a->shape, NULL), a->name);
   if (!h->failed)
-    dataset = check(h, H5Dcreate2(parent, a->name, file, space, H5P_DEFAULT, plist, H5P_DEFAULT),
-                    a->name);
-  if (!h->failed && a->data && bytes > 0)
-    check(h, H5Dwrite(dataset, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, a->data), a->name);
+    dataset = rad_hdf_check(
+        h, H5Dcreate2(parent, a->name, file, space, H5P_DEFAULT, plist, H5P_DEFAULT), a->name);
+  if (!h->failed && later)
+    set_pieces(h, dataset, a->name, n_list, list);
+  else if (!h->failed && a->data && bytes > 0)
+    rad_hdf_check(h, H5Dwrite(dataset, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, a->data), a->name);
   rad_hdf_set_text(h, dataset, "unit", a->unit);
   rad_hdf_set_text(h, dataset, "description", a->description);
   if (dataset >= 0)
-    check(h, H5Dclose(dataset), a->name);
+    rad_hdf_check(h, H5Dclose(dataset), a->name);
   if (space >= 0)
     H5Sclose(space);
   H5Pclose(plist);
@@ -260,11 +304,30 @@ void rad_hdf_array(struct rad_hdf *h, hid_t parent, const struct rad_hdf_array *
   if (h->failed)
     return;
   hid_t memory = H5I_INVALID_HID, file = H5I_INVALID_HID;
-  type_of(a->type, &memory, &file);
+  rad_hdf_type_of(a->type, &memory, &file);
   hsize_t bytes = H5Tget_size(file);
   for (int k = 0; k < a->rank; k++)
     bytes *= a->shape[k];
-  put(h, parent, a, memory, file, bytes);
+  put(h, parent, a, memory, file, bytes, a->data != NULL,
+      &(struct rad_hdf_piece){.bytes = bytes, .data = a->data});
+}
+
+void rad_hdf_lists(struct rad_hdf *h, hid_t parent, const struct rad_hdf_array *a, size_t n,
+                   const size_t *count, const double *const *data) {
+  assert(h->memory >= 0 || h->failed);
+  struct rad_hdf_array one = *a;
+  struct rad_hdf_piece *list = rad_alloc(n, sizeof *list);
+  one.rank = 1;
+  one.shape[0] = 0;
+  if (!list)
+    rad_hdf_fail(h, "out of memory for %zu arrays", n);
+  for (size_t i = 0; i < n && !h->failed; i++) {
+    list[i] = (struct rad_hdf_piece){.bytes = sizeof(double) * count[i], .data = data[i]};
+    one.shape[0] += count[i];
+  }
+  if (!h->failed)
+    put(h, parent, &one, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE, sizeof(double) * one.shape[0], n, list);
+  free(list);
 }
 
 void rad_hdf_texts(struct rad_hdf *h, hid_t parent, const char *name, size_t n,
@@ -274,6 +337,6 @@ void rad_hdf_texts(struct rad_hdf *h, hid_t parent, const char *name, size_t n,
   const struct rad_hdf_array a = {
       .name = name, .unit = "1", .description = description, .rank = 1, .shape = {n}, .data = text};
   const hid_t type = text_type(h);
-  put(h, parent, &a, type, type, n ? 1 : 0); /* bytes: too few to compress */
+  put(h, parent, &a, type, type, n ? 1 : 0, 0, NULL); /* bytes: too few to compress */
   H5Tclose(type);
 }

@@ -8,6 +8,10 @@
  * The first error is kept and turns all later calls into nothing, so that callers only check the
  * end. Objects carry no time stamps: equal contents are equal bytes.
  *
+ * Large files (rad_hdf_begin_large) are not built in memory: arrays are taken from where they are
+ * when the file is ended, uncompressed, and the rest, some kilobytes, is made in a file without a
+ * disk.
+ *
  * Reading. Plain calls; whatever is absent or of another type is NULL or NAN.
  */
 #ifndef RAD_OUTPUT_HDF_H
@@ -35,15 +39,32 @@ void rad_hdf_silence_end(const struct rad_hdf_silence *s);
  */
 void rad_hdf_message(size_t size, char text[size]);
 
+/* Bytes of a large file that are elsewhere until the end. */
+struct rad_hdf_piece {
+  uint64_t at; /* in the file */
+  size_t bytes;
+  const void *data; /* borrowed */
+};
+
 /* A file being written. */
 struct rad_hdf {
   hid_t file;
+  int memory; /* of a large file: descriptor of its small parts; else -1 */
+  size_t n_piece, room;
+  struct rad_hdf_piece *piece; /* owned */
   bool failed;
   char cause[320]; /* when failed */
   struct rad_hdf_silence silence;
 };
 
 void rad_hdf_begin(struct rad_hdf *h);
+
+/* A large file: arrays must stay as they are until rad_hdf_end_large. */
+void rad_hdf_begin_large(struct rad_hdf *h);
+
+/* The same as rad_hdf_end for a large file, which gets a seal of this kind (output/seal.h). */
+enum rad_code rad_hdf_end_large(struct rad_hdf *h, const char *path, const char *kind,
+                                struct rad_error *e);
 
 /**
  * Save the file to path (see rad_save) and release it; to be called once after rad_hdf_begin, also
@@ -56,13 +77,23 @@ enum rad_code rad_hdf_end(struct rad_hdf *h, const char *path, struct rad_error 
 /* For errors met between the calls (out of memory); kept like those of HDF5. */
 void rad_hdf_fail(struct rad_hdf *h, const char *fmt, ...) __attribute__((format(printf, 2, 3)));
 
+/* A new HDF5 file with this program's settings, for rad_hdf_begin and rad_hdf_begin_large; negative
+ * after an error. */
+hid_t rad_hdf_create(struct rad_hdf *h, const char *name, hid_t access, hsize_t user_block);
+
+/* Pass on what an HDF5 call returned; negative is an error about the object `name`. */
+hid_t rad_hdf_check(struct rad_hdf *h, hid_t returned, const char *name);
+
 /* A new group, which remembers the order of its members. Negative after an error. */
 hid_t rad_hdf_group(struct rad_hdf *h, hid_t parent, const char *name);
 void rad_hdf_group_close(struct rad_hdf *h, hid_t group);
 void rad_hdf_link(struct rad_hdf *h, const char *target,
                   const char *name); /* soft, from the root */
 
-enum rad_hdf_type { RAD_HDF_REAL, RAD_HDF_INT64, RAD_HDF_INT32, RAD_HDF_UINT8 };
+enum rad_hdf_type { RAD_HDF_REAL, RAD_HDF_INT64, RAD_HDF_INT32, RAD_HDF_UINT8, RAD_HDF_REAL32 };
+
+/* HDF5's types: in memory, and little-endian in the file. */
+void rad_hdf_type_of(enum rad_hdf_type type, hid_t *memory, hid_t *file);
 
 struct rad_hdf_array {
   const char *name;
@@ -74,8 +105,12 @@ struct rad_hdf_array {
   const void *data; /* row-major; NULL: not known, which RAD_HDF_REAL shows as NaN */
 };
 
-/* Arrays above 16 kB are shuffled and deflated. */
+/* Arrays above 16 kB are shuffled and deflated, but not those of large files. */
 void rad_hdf_array(struct rad_hdf *h, hid_t parent, const struct rad_hdf_array *a);
+
+/* In a large file: a list [n] of the lists data[i] [count[i]] one after another. */
+void rad_hdf_lists(struct rad_hdf *h, hid_t parent, const struct rad_hdf_array *a, size_t n,
+                   const size_t *count, const double *const *data);
 
 /* text: [n] UTF-8, of any length */
 void rad_hdf_texts(struct rad_hdf *h, hid_t parent, const char *name, size_t n,
@@ -108,6 +143,9 @@ char **rad_hdf_get_texts(hid_t at, const char *name, int *n);  /* attribute; own
 double rad_hdf_get_number(hid_t at, const char *name);         /* attribute; or NAN */
 char **rad_hdf_read_texts(hid_t at, const char *name, int *n); /* dataset; owned [n], or NULL */
 void rad_hdf_texts_free(char **text, int n);                   /* NULL is fine */
+
+/* n numbers of a dataset of exactly that many, of that type, into data. */
+bool rad_hdf_read_into(hid_t at, const char *name, enum rad_hdf_type type, size_t n, void *data);
 
 /* Dataset as double, row-major, of rank <= RAD_HDF_MAX_RANK; missing dimensions are 1. Owned, or
  * NULL. */

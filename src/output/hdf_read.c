@@ -105,6 +105,22 @@ static hid_t open_dataset(hid_t at, const char *name) {
   return dataset;
 }
 
+bool rad_hdf_read_into(hid_t at, const char *name, enum rad_hdf_type type, size_t n, void *data) {
+  const hid_t dataset = open_dataset(at, name);
+  if (dataset < 0)
+    return false;
+  hid_t memory = H5I_INVALID_HID, file = H5I_INVALID_HID;
+  rad_hdf_type_of(type, &memory, &file);
+  const hid_t is = H5Dget_type(dataset), space = H5Dget_space(dataset);
+  bool done = H5Tequal(is, file) > 0 && H5Sget_simple_extent_npoints(space) == (hssize_t)n;
+  if (done && n > 0)
+    done = H5Dread(dataset, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0;
+  H5Sclose(space);
+  H5Tclose(is);
+  H5Dclose(dataset);
+  return done;
+}
+
 double *rad_hdf_read_numbers(hid_t at, const char *name, hsize_t shape[RAD_HDF_MAX_RANK]) {
   const hid_t dataset = open_dataset(at, name);
   if (dataset < 0)

@@ -37,22 +37,33 @@ static enum rad_code fail(const char *path, int cause, struct rad_error *e) {
 
 /* The calls below return 0 or an errno: errno itself would not survive the clean-up between. */
 
-static int write_all(int fd, const char *bytes, size_t size) {
+int rad_write_all(int fd, const void *bytes, size_t size) {
+  const char *at = bytes;
   while (size > 0) {
-    const ssize_t n = write(fd, bytes, size);
+    const ssize_t n = write(fd, at, size);
     if (n < 0 && errno != EINTR)
       return errno;
     if (n > 0) {
-      bytes += n;
+      at += n;
       size -= (size_t)n;
     }
   }
   return 0;
 }
 
+struct block {
+  const void *bytes;
+  size_t size;
+};
+
+static int fill_block(int fd, void *context) {
+  const struct block *b = context;
+  return rad_write_all(fd, b->bytes, b->size);
+}
+
 /* Data, then the disk's word that it has them. Pipes and some devices cannot sync: EINVAL. */
-static int fill(int fd, const void *bytes, size_t size) {
-  int cause = write_all(fd, bytes, size);
+static int fill_and_close(int fd, rad_save_filler *fill, void *context) {
+  int cause = fill(fd, context);
   if (!cause && fsync(fd) != 0 && errno != EINVAL && errno != EROFS)
     cause = errno;
   if (close(fd) != 0 && !cause)
@@ -62,7 +73,7 @@ static int fill(int fd, const void *bytes, size_t size) {
 
 /* A .tmp of this name is left over from a dead process that had our number. */
 static int open_new(const char *name) {
-  const int flags = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC;
+  const int flags = O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC;
   int fd = open(name, flags, 0666);
   if (fd < 0 && errno == EEXIST && unlink(name) == 0)
     fd = open(name, flags, 0666);
@@ -82,14 +93,14 @@ static void sync_folder(const char *path) {
   free(copy);
 }
 
-static int save_and_rename(const char *path, const void *bytes, size_t size) {
+static int save_and_rename(const char *path, rad_save_filler *fill, void *context) {
   const size_t room = strlen(path) + 32;
   char *temporary = malloc(room);
   if (!temporary)
     return ENOMEM;
   snprintf(temporary, room, "%s.%ld.tmp", path, (long)getpid());
   const int fd = open_new(temporary);
-  int cause = fd < 0 ? errno : fill(fd, bytes, size);
+  int cause = fd < 0 ? errno : fill_and_close(fd, fill, context);
   if (!cause && rename(temporary, path) != 0)
     cause = errno;
   if (cause && fd >= 0)
@@ -100,23 +111,43 @@ static int save_and_rename(const char *path, const void *bytes, size_t size) {
   return cause;
 }
 
-static int save_to_device(const char *path, const void *bytes, size_t size) {
+static int save_to_device(const char *path, rad_save_filler *fill, void *context) {
   const int fd = open(path, O_WRONLY | O_CLOEXEC);
-  return fd < 0 ? errno : fill(fd, bytes, size);
+  return fd < 0 ? errno : fill_and_close(fd, fill, context);
 }
 
 enum rad_code rad_save(const char *path, const void *bytes, size_t size, struct rad_error *e) {
+  struct block b = {bytes, size};
+  return rad_save_by(path, fill_block, &b, e);
+}
+
+enum rad_code rad_save_by(const char *path, rad_save_filler *fill, void *context,
+                          struct rad_error *e) {
   struct stat is;
   int cause = 0;
   if (stat(path, &is) != 0)
-    cause = save_and_rename(path, bytes, size);
+    cause = save_and_rename(path, fill, context);
   else if (S_ISDIR(is.st_mode))
     cause = EISDIR;
   else if (!S_ISREG(is.st_mode))
-    cause = save_to_device(path, bytes, size);
+    cause = save_to_device(path, fill, context);
   else if (faccessat(AT_FDCWD, path, W_OK, AT_EACCESS) != 0)
     cause = errno;
   else
-    cause = save_and_rename(path, bytes, size);
+    cause = save_and_rename(path, fill, context);
+  return cause ? fail(path, cause, e) : RAD_OK;
+}
+
+enum rad_code rad_save_try(const char *path, struct rad_error *e) {
+  struct stat is;
+  int cause = 0;
+  char *copy = strdup(path);
+  if (stat(path, &is) == 0 && S_ISDIR(is.st_mode))
+    cause = EISDIR;
+  else if (stat(path, &is) == 0 && faccessat(AT_FDCWD, path, W_OK, AT_EACCESS) != 0)
+    cause = errno;
+  else if (!copy || faccessat(AT_FDCWD, dirname(copy), W_OK | X_OK, AT_EACCESS) != 0)
+    cause = errno;
+  free(copy);
   return cause ? fail(path, cause, e) : RAD_OK;
 }

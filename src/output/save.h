@@ -21,4 +21,18 @@
  */
 enum rad_code rad_save(const char *path, const void *bytes, size_t size, struct rad_error *e);
 
+/* Fills an open, empty file; returns 0 or an errno. */
+typedef int rad_save_filler(int fd, void *context);
+
+/* The same for what a function writes. */
+enum rad_code rad_save_by(const char *path, rad_save_filler *fill, void *context,
+                          struct rad_error *e);
+
+/* size bytes to fd, from its position on; returns 0 or an errno. */
+int rad_write_all(int fd, const void *bytes, size_t size);
+
+/* The error that rad_save would give if it were called now, as far as can be told: before hours of
+ * work are to be saved. */
+enum rad_code rad_save_try(const char *path, struct rad_error *e);
+
 #endif

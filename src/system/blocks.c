@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "base/stop.h"
 #include "base/vec.h"
 #include "system/sector.h"
 #include "visibility/facing.h"
@@ -224,13 +225,15 @@ enum rad_code rad_blocks_build(const struct rad_tree *tree, int places, double l
     d[i].tree = tree;
     d[i].places = places;
     d[i].least = least;
-    for (int j = 0; j < n; j++)
+    for (int j = 0; j < n && !rad_stop_asked(); j++)
       divide(&d[i], i, j);
     rad_progress_add(progress, 1);
   }
   for (int i = 0; i < n; i++)
     failed |= d[i].failed;
   enum rad_code code = failed ? rad_fail_memory(e, "the list of blocks", 0) : RAD_OK;
+  if (!code && rad_stop_asked())
+    code = rad_fail_stopped(e);
   if (!code)
     code = sort_blocks(tree, d, FAR, &blocks->far, e);
   if (!code)

@@ -7,6 +7,7 @@
 
 #include "base/memory.h"
 #include "base/simd_math.h"
+#include "integrate/task.h"
 #include "system/facets.h"
 #include "visibility/visibility.h"
 
@@ -121,7 +122,7 @@ static enum rad_code run_blocks(struct rad_dense *dense, const struct rad_rules 
   const unsigned char *passive = reuse ? reuse->passive : NULL;
   struct origins o;
   enum rad_code code = set_origins(dense->mesh, reuse, &o, e);
-  int64_t n_task = list_tasks(dense, passive, NULL);
+  int64_t n_task = dense->n_task;
   struct task *task = rad_alloc((size_t)n_task, sizeof *task);
   if (!code && !task)
     code = rad_fail_memory(e, "the list of blocks", (double)n_task * sizeof *task);
@@ -132,7 +133,12 @@ static enum rad_code run_blocks(struct rad_dense *dense, const struct rad_rules 
 #pragma omp parallel for schedule(dynamic) default(none)                                           \
     shared(dense, rules, o, task, n_task, scratch, progress)
     for (int64_t i = 0; i < n_task; i++) {
-      run_task(dense, rules, &task[i], &o, &scratch[omp_get_thread_num()]);
+      struct rad_scratch *own = &scratch[omp_get_thread_num()];
+      const struct rad_counters before = own->counters;
+      if (rad_task_begin(dense->done, (size_t)i)) {
+        run_task(dense, rules, &task[i], &o, own);
+        rad_task_end(dense->done, (size_t)i, &before, own);
+      }
       rad_progress_add(progress, 1);
     }
   }
@@ -141,8 +147,12 @@ static enum rad_code run_blocks(struct rad_dense *dense, const struct rad_rules 
   return code;
 }
 
-static enum rad_code run_all(struct rad_dense *dense, const struct rad_rules *rules,
-                             const struct rad_reuse *reuse, struct rad_error *e) {
+static int is_facets(const struct rad_mesh *mesh, const struct rad_reuse *reuse) {
+  return !reuse && rad_mesh_is_facets(mesh);
+}
+
+enum rad_code rad_dense_finish(const struct rad_rules *rules, const struct rad_reuse *reuse,
+                               struct rad_dense *dense, struct rad_error *e) {
   int n_thread = omp_get_max_threads();
   struct rad_scratch *scratch = rad_calloc((size_t)n_thread, sizeof *scratch);
   if (!scratch)
@@ -150,8 +160,8 @@ static enum rad_code run_all(struct rad_dense *dense, const struct rad_rules *ru
   enum rad_code code = RAD_OK;
   for (int t = 0; t < n_thread && !code; t++)
     code = rad_scratch_init(dense->mesh, &scratch[t], e);
-  if (!code && !reuse && rad_mesh_is_facets(dense->mesh))
-    code = rad_facets_assemble(dense->mesh, rules, dense->sees, dense->k, scratch, e);
+  if (!code && is_facets(dense->mesh, reuse))
+    code = rad_facets_assemble(dense->mesh, rules, dense->sees, dense->k, dense->done, scratch, e);
   else if (!code)
     code = run_blocks(dense, rules, reuse, scratch, e);
   for (int t = 0; t < n_thread; t++) {
@@ -161,6 +171,8 @@ static enum rad_code run_all(struct rad_dense *dense, const struct rad_rules *ru
     rad_scratch_free(&scratch[t]);
   }
   free(scratch);
+  if (!code && memchr(dense->done, 0, (size_t)dense->n_task))
+    code = rad_fail_stopped(e);
   return code;
 }
 
@@ -216,9 +228,8 @@ static enum rad_code set_groups(struct rad_dense *dense, struct rad_error *e) {
   return RAD_OK;
 }
 
-enum rad_code rad_dense_assemble(const struct rad_mesh *mesh, const struct rad_rules *rules,
-                                 const struct rad_reuse *reuse, struct rad_dense *dense,
-                                 struct rad_error *e) {
+enum rad_code rad_dense_begin(const struct rad_mesh *mesh, const struct rad_reuse *reuse,
+                              struct rad_dense *dense, struct rad_error *e) {
   size_t n = (size_t)mesh->n_point;
   assert(mesh->scene->visibility);
   *dense =
@@ -226,15 +237,26 @@ enum rad_code rad_dense_assemble(const struct rad_mesh *mesh, const struct rad_r
   dense->k = rad_pages_alloc(n * n * sizeof(double));
   if (!dense->k)
     return rad_fail_memory(e, "the matrix", 8.0 * (double)n * (double)n);
-  enum rad_code code = set_groups(dense, e);
-  if (!code)
-    code = run_all(dense, rules, reuse, e);
-  dense->pairs_skipped = rad_pairs_skipped(mesh, reuse ? reuse->passive : NULL);
-  return code;
+  const unsigned char *passive = reuse ? reuse->passive : NULL;
+  dense->pairs_skipped = rad_pairs_skipped(mesh, passive);
+  dense->n_task =
+      is_facets(mesh, reuse) ? rad_facets_tasks(mesh) : list_tasks(dense, passive, NULL);
+  dense->done = rad_calloc((size_t)dense->n_task, 1);
+  if (!dense->done)
+    return rad_fail_memory(e, "the list of blocks", (double)dense->n_task);
+  return set_groups(dense, e);
+}
+
+enum rad_code rad_dense_assemble(const struct rad_mesh *mesh, const struct rad_rules *rules,
+                                 const struct rad_reuse *reuse, struct rad_dense *dense,
+                                 struct rad_error *e) {
+  enum rad_code code = rad_dense_begin(mesh, reuse, dense, e);
+  return code ? code : rad_dense_finish(rules, reuse, dense, e);
 }
 
 void rad_dense_free(struct rad_dense *dense) {
   rad_pages_free(dense->k, (size_t)dense->n * (size_t)dense->n * sizeof(double));
+  free(dense->done);
   free(dense->group);
   free(dense->group_sees);
   *dense = (struct rad_dense){0};

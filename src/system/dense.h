@@ -25,8 +25,10 @@ struct rad_dense {
   int n_group;
   struct rad_row_group *group; /* owned [n_group] for products */
   unsigned char *group_sees;   /* owned [n_group, n_triangle] */
-  struct rad_counters counters;
-  int64_t pairs_skipped; /* pairs of a point and an element that see nothing of each other */
+  int64_t n_task;
+  unsigned char *done;          /* owned [n_task] parts of the assembly that are finished */
+  struct rad_counters counters; /* of these parts */
+  int64_t pairs_skipped;        /* pairs of a point and an element that see nothing of each other */
 };
 
 /* What an assembly may take over from the matrix of a mesh before, and what it may leave out. */
@@ -47,6 +49,15 @@ struct rad_reuse {
 enum rad_code rad_dense_assemble(const struct rad_mesh *mesh, const struct rad_rules *rules,
                                  const struct rad_reuse *reuse, struct rad_dense *dense,
                                  struct rad_error *e);
+
+/* The two halves of rad_dense_assemble: memory with no part of the assembly done; then the parts
+ * that are not done. In between, some may be read from a file. The second is RAD_ESTOPPED once
+ * rad_stop_asked(), and can be called again. */
+enum rad_code rad_dense_begin(const struct rad_mesh *mesh, const struct rad_reuse *reuse,
+                              struct rad_dense *dense, struct rad_error *e);
+enum rad_code rad_dense_finish(const struct rad_rules *rules, const struct rad_reuse *reuse,
+                               struct rad_dense *dense, struct rad_error *e);
+
 /* Pairs of a point and an element that see nothing of each other, or whose rows are not needed;
  * passive as in rad_reuse, or NULL. */
 int64_t rad_pairs_skipped(const struct rad_mesh *mesh, const unsigned char *passive);

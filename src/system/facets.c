@@ -7,6 +7,7 @@
 
 #include "base/memory.h"
 #include "integrate/constant.h"
+#include "integrate/task.h"
 #include "visibility/facing.h"
 #include "visibility/occluder.h"
 
@@ -79,7 +80,7 @@ static double by_patch(const struct facets *f, int i, int j, struct rad_scratch 
   const struct rad_mesh *mesh = f->mesh;
   struct rad_targets target = {i, 1, mesh->point_base + i, (const double(*)[2])mesh->point_mu + i,
                                NULL};
-  double value;
+  double value = 0;
   rad_patch_block(mesh, f->rules, &target, j, NULL, &value, 0, scratch);
   return value;
 }
@@ -136,7 +137,7 @@ static void fill_columns(const struct facets *f, int first, int n, struct rad_sc
   struct rad_facet_source source[COLUMNS];
   for (int c = 0; c < n; c++)
     rad_facet_source_set(&f->mesh->scene->triangle[first + c], &source[c]);
-  for (int row = 0; row < n_point; row += TILE)
+  for (int row = 0; row < n_point && !rad_stop_asked(); row += TILE)
     for (int c = 0; c < n; c++) {
       int j = first + c, m = n_point - row < TILE ? n_point - row : TILE;
       const unsigned char *sees = f->sees + (size_t)n_point * (size_t)j + row;
@@ -148,19 +149,28 @@ static void fill_columns(const struct facets *f, int first, int n, struct rad_sc
     }
 }
 
+int64_t rad_facets_tasks(const struct rad_mesh *mesh) {
+  return (mesh->n_point + COLUMNS - 1) / COLUMNS;
+}
+
 enum rad_code rad_facets_assemble(const struct rad_mesh *mesh, const struct rad_rules *rules,
-                                  const unsigned char *sees, double *k, struct rad_scratch *scratch,
-                                  struct rad_error *e) {
+                                  const unsigned char *sees, double *k, unsigned char *done,
+                                  struct rad_scratch *scratch, struct rad_error *e) {
   int n = mesh->n_point;
   struct facets f = {.mesh = mesh, .rules = rules, .sees = sees, .k = k};
   if (!set_targets(&f))
     return rad_fail_memory(e, "the facets", 8.0 * COMPONENTS * n);
   struct rad_progress *progress = mesh->scene->progress;
   rad_progress_begin(progress, "columns", n);
-#pragma omp parallel for schedule(dynamic) default(none) shared(f, n, scratch, progress)
+#pragma omp parallel for schedule(dynamic) default(none) shared(f, n, scratch, done, progress)
   for (int j = 0; j < n; j += COLUMNS) {
     int width = n - j < COLUMNS ? n - j : COLUMNS;
-    fill_columns(&f, j, width, &scratch[omp_get_thread_num()]);
+    struct rad_scratch *own = &scratch[omp_get_thread_num()];
+    const struct rad_counters before = own->counters;
+    if (rad_task_begin(done, (size_t)(j / COLUMNS))) {
+      fill_columns(&f, j, width, own);
+      rad_task_end(done, (size_t)(j / COLUMNS), &before, own);
+    }
     rad_progress_add(progress, width);
   }
   free(f.component);

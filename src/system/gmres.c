@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "base/stop.h"
 #include "system/coarse.h"
 #include "system/solve.h"
 
@@ -15,7 +16,7 @@ struct krylov {
   int length;                 /* steps of this cycle at most */
   int is_slow;                /* this cycle, the second or a later one, is preconditioned */
   double scale, target;       /* max |u|; residual to reach */
-  double before;              /* residual of the last cycle */
+  double before;              /* residual that the present cycle began with */
   double *basis[LONGEST + 1]; /* owned [n] each, as they are needed */
   double *product;            /* owned [n] */
   double *aim, *means;        /* owned [n] M v of the last column v, scratch of M; NULL without M */
@@ -144,6 +145,7 @@ static enum rad_code begin_cycle(struct krylov *s, struct rad_error *e) {
         "GMRES did not converge: relative residual %.2e, asked for %.2e, after %d steps; "
         "raise method.solver_tolerance or use method.solver: lu",
         left / s->scale, s->target / s->scale, l->steps);
+  l->before = s->before; /* where a stopped run goes on, this cycle begins again */
   s->before = left;
   s->is_slow = l->steps > 0;
   s->length = l->steps < RESTART ? RESTART : l->steps < LONGEST ? l->steps : LONGEST;
@@ -217,13 +219,24 @@ static void aim(struct krylov *s) {
 }
 
 static enum rad_code start(struct krylov *s, int n, struct rad_linear *l, struct rad_error *e) {
-  *s = (struct krylov){.system = l, .n = n, .step = -1, .before = INFINITY, .next = l->u};
+  if (!l->goes_on) {
+    memcpy(l->u, l->emission, sizeof(double) * (size_t)n);
+    l->steps = 0;
+    l->before = INFINITY;
+  }
+  *s = (struct krylov){.system = l, .n = n, .step = -1, .before = l->before, .next = l->u};
   s->product = rad_alloc((size_t)n, sizeof(double));
   if (!s->product)
     return rad_fail_memory(e, "GMRES", 8.0 * n);
-  memcpy(l->u, l->emission, sizeof(double) * (size_t)n);
-  l->steps = 0;
   return add_column(s, 0, e);
+}
+
+/* Back to where the present cycle began. */
+static void step_back(struct krylov *s) {
+  if (s->step >= 0)
+    s->system->steps -= s->step;
+  else
+    s->system->before = s->before;
 }
 
 /* One product for every system that still wants one; returns how many did. */
@@ -278,11 +291,15 @@ enum rad_code rad_gmres(const struct rad_operator *k, int n_system, struct rad_l
   rad_progress_begin(progress, "products", 0);
   for (int n; !code && (n = multiply(k, n_system, s)) > 0; rad_progress_add(progress, n)) {
     code = advance_all(n_system, s, e);
+    if (!code && rad_stop_asked())
+      code = rad_fail_stopped(e);
     if (!code)
       code = precondition(k, n_system, s, &coarse, e);
     if (!code)
       aim_all(n_system, s);
   }
+  for (int i = 0; i < n_system && code == RAD_ESTOPPED; i++)
+    step_back(&s[i]);
   rad_coarse_free(&coarse);
   for (int i = 0; i < n_system; i++) {
     for (int j = 0; j <= LONGEST; j++)

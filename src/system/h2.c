@@ -7,7 +7,7 @@
 
 #include "base/clock.h"
 #include "base/memory.h"
-#include "system/h2_basis.h"
+#include "base/stop.h"
 #include "system/h2_leaf.h"
 #include "system/h2_near.h"
 #include "visibility/visibility.h"
@@ -28,33 +28,56 @@ enum rad_code rad_h2_divide(const struct rad_mesh *mesh, int leaf, double tolera
   return code;
 }
 
-/* A basis as one piece of memory; its matrices are freed on the way. */
-static enum rad_code pack(struct rad_basis *basis, struct rad_h2_side *side, struct rad_error *e) {
-  size_t n = (size_t)basis->tree->n_cluster, at = 0, place = 0;
-  side->rank = rad_alloc(n, sizeof(int));
+/* Where a side's matrices and coefficients begin, from the ranks. */
+static enum rad_code set_places(const struct rad_tree *tree, struct rad_h2_side *side,
+                                struct rad_error *e) {
+  size_t n = (size_t)tree->n_cluster, at = 0, place = 0;
   side->at = rad_alloc(n, sizeof(size_t));
   side->place = rad_alloc(n + 1, sizeof(size_t));
-  if (!side->rank || !side->at || !side->place)
-    return rad_fail_memory(e, "the bases of the clusters", 20.0 * (double)n);
+  if (!side->at || !side->place)
+    return rad_fail_memory(e, "the bases of the clusters", 16.0 * (double)n);
   for (size_t c = 0; c < n; c++) {
-    side->rank[c] = basis->rank[c];
     side->at[c] = at;
     side->place[c] = place;
-    at += (size_t)rad_basis_rows(basis, (int)c) * (size_t)basis->rank[c];
-    place += (size_t)basis->rank[c];
+    at += (size_t)rad_basis_rows(tree, side->rank, (int)c) * (size_t)side->rank[c];
+    place += (size_t)side->rank[c];
   }
   side->place[n] = place;
   side->n_data = at;
   side->data = rad_pages_alloc(sizeof(double) * at);
-  if (!side->data)
-    return rad_fail_memory(e, "the bases of the clusters", 8.0 * (double)at);
-  for (size_t c = 0; c < n; c++) {
-    size_t size = (size_t)rad_basis_rows(basis, (int)c) * (size_t)basis->rank[c];
+  return side->data ? RAD_OK : rad_fail_memory(e, "the bases of the clusters", 8.0 * (double)at);
+}
+
+enum rad_code rad_h2_far_begin(struct rad_h2 *h, struct rad_error *e) {
+  size_t total = h->blocks.far.first[h->tree.n_cluster];
+  double ranks = 0;
+  enum rad_code code = set_places(&h->tree, &h->row, e);
+  if (!code)
+    code = set_places(&h->tree, &h->column, e);
+  h->far_at = rad_alloc(total, sizeof(size_t));
+  if (!code && !h->far_at)
+    code = rad_fail_memory(e, "the far blocks", 8.0 * (double)total);
+  for (int t = 0; t < h->tree.n_cluster && !code; t++)
+    for (size_t b = h->blocks.far.first[t]; b < h->blocks.far.first[t + 1]; b++) {
+      int k_t = h->row.rank[t], k_s = h->column.rank[h->blocks.far.source[b]];
+      h->far_at[b] = h->n_far;
+      h->n_far += (size_t)k_t * (size_t)k_s;
+      ranks += 0.5 * (k_t + k_s);
+    }
+  h->mean_rank = total ? ranks / (double)total : 0;
+  if (!code && !(h->far = rad_pages_alloc(sizeof(double) * h->n_far)))
+    code = rad_fail_memory(e, "the far blocks", 8.0 * (double)h->n_far);
+  return code;
+}
+
+/* A basis moves into one piece of memory, cluster by cluster. */
+static void pack(struct rad_basis *basis, struct rad_h2_side *side) {
+  for (int c = 0; c < basis->tree->n_cluster; c++) {
+    size_t size = (size_t)rad_basis_rows(basis->tree, basis->rank, c) * (size_t)basis->rank[c];
     memcpy(side->data + side->at[c], basis->matrix[c], sizeof(double) * size);
     free(basis->matrix[c]);
     basis->matrix[c] = NULL;
   }
-  return RAD_OK;
 }
 
 /* The moments were divided by the roots of the shares: leaves of columns get them back. */
@@ -89,9 +112,9 @@ static enum rad_code turn_list(const struct rad_tree *tree, const struct rad_blo
 }
 
 /* S = R_t G R_s^T for the far blocks of one target; work: [2, n_node^2]. */
-static void couple(struct rad_h2 *h, const struct rad_interpolation *p, const struct rad_basis *row,
-                   const struct rad_basis *column, int target, double *work) {
+static void couple(struct rad_h2 *h, const struct rad_interpolation *p, int target, double *work) {
   const struct rad_cluster *cluster = h->tree.cluster;
+  const struct rad_basis *row = &h->basis[0], *column = &h->basis[1];
   int n = p->n, k_t = row->rank[target];
   double *kernel = work, *half = work + (size_t)n * (size_t)n;
   for (size_t b = h->blocks.far.first[target]; b < h->blocks.far.first[target + 1]; b++) {
@@ -107,72 +130,66 @@ static void couple(struct rad_h2 *h, const struct rad_interpolation *p, const st
 }
 
 static enum rad_code couple_all(struct rad_h2 *h, const struct rad_interpolation *p,
-                                const struct rad_basis *row, const struct rad_basis *column,
                                 struct rad_error *e) {
-  size_t total = h->blocks.far.first[h->tree.n_cluster], node = (size_t)p->n;
-  double ranks = 0;
-  h->far_at = rad_alloc(total, sizeof(size_t));
-  if (!h->far_at)
-    return rad_fail_memory(e, "the far blocks", 8.0 * (double)total);
-  for (int t = 0; t < h->tree.n_cluster; t++)
-    for (size_t b = h->blocks.far.first[t]; b < h->blocks.far.first[t + 1]; b++) {
-      h->far_at[b] = h->n_far;
-      h->n_far += (size_t)row->rank[t] * (size_t)column->rank[h->blocks.far.source[b]];
-      ranks += 0.5 * (row->rank[t] + column->rank[h->blocks.far.source[b]]);
-    }
-  h->mean_rank = total ? ranks / (double)total : 0;
-  h->far = rad_pages_alloc(sizeof(double) * h->n_far);
-  size_t n_thread = (size_t)omp_get_max_threads();
+  size_t node = (size_t)p->n, n_thread = (size_t)omp_get_max_threads();
   double *work = rad_alloc(2 * node * node * n_thread, sizeof(double));
-  if (!h->far || !work) {
-    free(work);
-    return rad_fail_memory(e, "the far blocks", 8.0 * (double)h->n_far);
-  }
+  if (!work)
+    return rad_fail_memory(e, "the far blocks", 16.0 * (double)(node * node * n_thread));
   struct rad_progress *progress = h->mesh->scene->progress;
   rad_progress_begin(progress, "far clusters", h->tree.n_cluster);
-#pragma omp parallel for schedule(dynamic) default(none)                                           \
-    shared(h, p, row, column, work, node, progress)
+#pragma omp parallel for schedule(dynamic) default(none) shared(h, p, work, node, progress)
   for (int t = 0; t < h->tree.n_cluster; t++) {
-    couple(h, p, row, column, t, work + 2 * node * node * (size_t)omp_get_thread_num());
+    if (!rad_stop_asked())
+      couple(h, p, t, work + 2 * node * node * (size_t)omp_get_thread_num());
     rad_progress_add(progress, 1);
   }
   free(work);
-  return RAD_OK;
+  return rad_stop_asked() ? rad_fail_stopped(e) : RAD_OK;
 }
 
-/* Both bases, and what is between them. */
-static enum rad_code build_far(struct rad_h2 *h, struct rad_error *e) {
-  struct rad_interpolation p;
+/* Both bases, as far as they are missing. */
+static enum rad_code build_bases(struct rad_h2 *h, const struct rad_interpolation *p,
+                                 struct rad_error *e) {
   struct rad_block_list by_source = {0};
-  struct rad_basis row = {0}, column = {0};
-  double start = rad_seconds(), *share = rad_alloc((size_t)h->mesh->n_point, sizeof(double));
-  rad_interpolation_init(&p, h->tolerance);
-  struct rad_basis_goal goal = {&p, &h->blocks.far, RAD_BASIS_ROW, h->tolerance,
+  struct rad_basis_goal goal = {p, &h->blocks.far, RAD_BASIS_ROW, h->tolerance,
                                 SHARE * h->tolerance};
-  enum rad_code code = share ? RAD_OK : rad_fail_memory(e, "the bases of the clusters", 0);
-  if (!code)
-    code = rad_basis_build(&h->tree, &goal, &row, e);
+  enum rad_code code = rad_basis_build(&h->tree, &goal, &h->basis[0], e);
   if (!code)
     code = turn_list(&h->tree, &h->blocks.far, &by_source, e);
   goal.far = &by_source;
   goal.kind = RAD_BASIS_COLUMN;
   if (!code)
-    code = rad_basis_build(&h->tree, &goal, &column, e);
-  h->seconds_bases = rad_seconds() - start;
-  start = rad_seconds();
-  if (!code)
-    code = couple_all(h, &p, &row, &column, e);
-  if (!code) {
-    weigh_columns(&h->tree, &column, share);
-    code = pack(&row, &h->row, e);
-  }
-  if (!code)
-    code = pack(&column, &h->column, e);
-  h->seconds_far = rad_seconds() - start;
-  rad_basis_free(&row);
-  rad_basis_free(&column);
+    code = rad_basis_build(&h->tree, &goal, &h->basis[1], e);
   free(by_source.first);
   free(by_source.source);
+  return code;
+}
+
+/* The far blocks from finished bases, which end here. */
+static enum rad_code build_far(struct rad_h2 *h, const struct rad_interpolation *p,
+                               struct rad_error *e) {
+  struct rad_h2_side *side[2] = {&h->row, &h->column};
+  double *share = rad_alloc((size_t)h->mesh->n_point, sizeof(double));
+  enum rad_code code = share ? RAD_OK : rad_fail_memory(e, "the bases of the clusters", 0);
+  for (int s = 0; s < 2 && !code; s++) {
+    size_t bytes = sizeof(int) * (size_t)h->tree.n_cluster;
+    if ((side[s]->rank = rad_alloc(bytes, 1)))
+      memcpy(side[s]->rank, h->basis[s].rank, bytes);
+    else
+      code = rad_fail_memory(e, "the bases of the clusters", (double)bytes);
+  }
+  if (!code)
+    code = rad_h2_far_begin(h, e);
+  if (!code)
+    code = couple_all(h, p, e);
+  if (!code) {
+    weigh_columns(&h->tree, &h->basis[1], share);
+    for (int s = 0; s < 2; s++) {
+      pack(&h->basis[s], side[s]);
+      rad_basis_free(&h->basis[s]);
+    }
+    h->far_done = 1;
+  }
   free(share);
   return code;
 }
@@ -187,24 +204,47 @@ static double bytes_of(const struct rad_h2 *h) {
          clusters * (double)(sizeof(struct rad_cluster) + 48) + 4.0 * h->mesh->n_point;
 }
 
-enum rad_code rad_h2_build(const struct rad_mesh *mesh, const struct rad_rules *rules,
-                           double tolerance, struct rad_h2 *h, struct rad_error *e) {
+enum rad_code rad_h2_begin(const struct rad_mesh *mesh, double tolerance, struct rad_h2 *h,
+                           struct rad_error *e) {
   *h = (struct rad_h2){
       .mesh = mesh, .sees = mesh->scene->visibility->sight, .tolerance = fmax(tolerance, 1e-13)};
   double start = rad_seconds();
   enum rad_code code = rad_h2_divide(mesh, RAD_LEAF, h->tolerance, 1, &h->tree, &h->blocks, e);
   h->seconds_blocks = rad_seconds() - start;
+  for (int s = 0; s < 2 && !code; s++)
+    code = rad_basis_begin(&h->tree, &h->basis[s], e);
   if (!code)
-    code = build_far(h, e);
+    code = rad_h2_near_begin(h, rad_h2_near_size(h->tolerance) == sizeof(float), e);
+  return code;
+}
+
+enum rad_code rad_h2_finish(struct rad_h2 *h, const struct rad_rules *rules, struct rad_error *e) {
+  struct rad_interpolation p;
+  enum rad_code code = RAD_OK;
+  double start = rad_seconds();
+  rad_interpolation_init(&p, h->tolerance);
+  if (!h->far_done)
+    code = build_bases(h, &p, e);
+  h->seconds_bases = rad_seconds() - start;
+  start = rad_seconds();
+  if (!code && !h->far_done)
+    code = build_far(h, &p, e);
+  h->seconds_far = rad_seconds() - start;
   start = rad_seconds();
   if (!code)
-    code = rad_h2_near(h, rules, rad_h2_near_size(h->tolerance) == sizeof(float), e);
+    code = rad_h2_near(h, rules, e);
   h->seconds_near = rad_seconds() - start;
   if (!code)
     code = rad_h2_workspace(h, e);
   if (!code)
     h->bytes = bytes_of(h);
   return code;
+}
+
+enum rad_code rad_h2_build(const struct rad_mesh *mesh, const struct rad_rules *rules,
+                           double tolerance, struct rad_h2 *h, struct rad_error *e) {
+  enum rad_code code = rad_h2_begin(mesh, tolerance, h, e);
+  return code ? code : rad_h2_finish(h, rules, e);
 }
 
 static void free_side(struct rad_h2_side *side) {
@@ -232,6 +272,9 @@ void rad_h2_free(struct rad_h2 *h) {
   free(h->spread_at);
   rad_pages_free(h->spread, sizeof(double) * h->n_spread);
   free(h->far_at);
+  free(h->near_done);
+  for (int s = 0; s < 2; s++)
+    rad_basis_free(&h->basis[s]);
   rad_blocks_free(&h->blocks);
   rad_tree_free(&h->tree);
   *h = (struct rad_h2){0};

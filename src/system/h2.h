@@ -4,6 +4,7 @@
 
 #include "integrate/element.h"
 #include "system/blocks.h"
+#include "system/h2_basis.h"
 
 enum { RAD_MOST_VECTORS = 8 };
 
@@ -45,6 +46,9 @@ struct rad_h2 {
   int n_subtree, n_top;
   int *subtree; /* owned [n_subtree + n_top] roots of subtrees that products take one by one; then
                    the clusters above them, parents first */
+  unsigned char *near_done;  /* owned [n_cluster] target leaves whose near blocks are done */
+  int far_done;              /* bases and far blocks are done; until then: */
+  struct rad_basis basis[2]; /* owned: of rows, of columns, as far as they are done */
   size_t n_work;
   double *work; /* owned [RAD_MOST_VECTORS, n_work], pages: vectors in the tree's order, and
                    coefficients of columns and rows */
@@ -87,6 +91,17 @@ enum rad_code rad_h2_predict(const struct rad_mesh *mesh, double tolerance,
  */
 enum rad_code rad_h2_build(const struct rad_mesh *mesh, const struct rad_rules *rules,
                            double tolerance, struct rad_h2 *h, struct rad_error *e);
+
+/* The two halves of rad_h2_build: trees, blocks, and memory with nothing done; then what is not
+ * done. In between, some may be read from a file. The second is RAD_ESTOPPED once
+ * rad_stop_asked(). */
+enum rad_code rad_h2_begin(const struct rad_mesh *mesh, double tolerance, struct rad_h2 *h,
+                           struct rad_error *e);
+enum rad_code rad_h2_finish(struct rad_h2 *h, const struct rad_rules *rules, struct rad_error *e);
+
+/* Memory for bases and far blocks, once row.rank and column.rank (owned [n_cluster]) are known. */
+enum rad_code rad_h2_far_begin(struct rad_h2 *h, struct rad_error *e);
+
 void rad_h2_free(struct rad_h2 *h); /* safe twice */
 
 /**

@@ -8,6 +8,7 @@
 
 #include "base/memory.h"
 #include "base/scramble.h"
+#include "base/stop.h"
 #include "system/h2_leaf.h"
 
 enum {
@@ -166,7 +167,7 @@ static double *polynomials(const struct work *w, int cluster, int rows) {
 static int truncate_basis(const struct work *w, int cluster, const double *v,
                           const struct weights *own) {
   const struct rad_cluster *c = &w->tree->cluster[cluster];
-  int rows = rad_basis_rows(w->basis, cluster), n = (int)w->n, kept = 0;
+  int rows = rad_basis_rows(w->tree, w->basis->rank, cluster), n = (int)w->n, kept = 0;
   int most = rows < own->n ? rows : own->n;
   double least =
       w->goal->cut * sqrt(w->goal->kind == RAD_BASIS_ROW ? fmin(c->n, w->tree->leaf) : c->area);
@@ -197,26 +198,38 @@ static int truncate_basis(const struct work *w, int cluster, const double *v,
   return done;
 }
 
+/* True if nothing below a cluster is missing. */
+static int is_ready(const struct work *w, const struct rad_cluster *c) {
+  const unsigned char *state = w->basis->state + c->child;
+  return c->child < 0 || (state[0] == RAD_BASIS_DONE && state[1] == RAD_BASIS_DONE);
+}
+
 /* Down with the weights, up with the bases. */
 static void shrink(const struct work *w, int cluster, const struct weights *above) {
   const struct rad_cluster *c = &w->tree->cluster[cluster];
   struct weights own;
-  int done = inherit(w, cluster, above, &own);
+  if (w->basis->state[cluster] != RAD_BASIS_MISSING || rad_stop_asked())
+    return;
+  int done = inherit(w, cluster, above, &own), ready = 0;
   for (int i = c->child; c->child >= 0 && i < c->child + 2; i++) {
 #pragma omp task default(none) firstprivate(w, i) shared(own) if (c->n > TASK)
     shrink(w, i, &own);
   }
 #pragma omp taskwait
-  if (done) {
-    double *v = polynomials(w, cluster, rad_basis_rows(w->basis, cluster));
+  ready = done && is_ready(w, c);
+  if (ready) {
+    double *v = polynomials(w, cluster, rad_basis_rows(w->tree, w->basis->rank, cluster));
     done = v && truncate_basis(w, cluster, v, &own);
     free(v);
   }
-  for (int i = c->child; c->child >= 0 && i < c->child + 2; i++)
+  for (int i = c->child; ready && done && c->child >= 0 && i < c->child + 2; i++)
     if (!has_blocks(w, i)) {
       free(w->basis->change[i]);
       w->basis->change[i] = NULL;
+      w->basis->state[i] = RAD_BASIS_SPENT;
     }
+  if (ready && done)
+    w->basis->state[cluster] = RAD_BASIS_DONE;
   free(own.z);
   if (!done) {
 #pragma omp atomic write
@@ -224,21 +237,28 @@ static void shrink(const struct work *w, int cluster, const struct weights *abov
   }
 }
 
-int rad_basis_rows(const struct rad_basis *basis, int cluster) {
-  const struct rad_cluster *c = &basis->tree->cluster[cluster];
-  return c->child < 0 ? c->n : basis->rank[c->child] + basis->rank[c->child + 1];
+int rad_basis_rows(const struct rad_tree *tree, const int *rank, int cluster) {
+  const struct rad_cluster *c = &tree->cluster[cluster];
+  return c->child < 0 ? c->n : rank[c->child] + rank[c->child + 1];
+}
+
+enum rad_code rad_basis_begin(const struct rad_tree *tree, struct rad_basis *basis,
+                              struct rad_error *e) {
+  size_t n = (size_t)tree->n_cluster;
+  *basis = (struct rad_basis){.tree = tree,
+                              .rank = rad_calloc(n, sizeof(int)),
+                              .matrix = rad_calloc(n, sizeof(double *)),
+                              .change = rad_calloc(n, sizeof(double *)),
+                              .state = rad_calloc(n, 1)};
+  if (!basis->rank || !basis->matrix || !basis->change || !basis->state)
+    return rad_fail_memory(e, "the bases of the clusters", 21.0 * (double)n);
+  return RAD_OK;
 }
 
 enum rad_code rad_basis_build(const struct rad_tree *tree, const struct rad_basis_goal *goal,
                               struct rad_basis *basis, struct rad_error *e) {
-  size_t n = (size_t)tree->n_cluster, node = (size_t)goal->interpolation->n, most = 0;
+  size_t node = (size_t)goal->interpolation->n, most = 0;
   int n_triangle = tree->mesh->scene->n_triangle;
-  *basis = (struct rad_basis){.tree = tree,
-                              .rank = rad_calloc(n, sizeof(int)),
-                              .matrix = rad_calloc(n, sizeof(double *)),
-                              .change = rad_calloc(n, sizeof(double *))};
-  if (!basis->rank || !basis->matrix || !basis->change)
-    return rad_fail_memory(e, "the bases of the clusters", 20.0 * (double)n);
   rad_tree_most(tree, &most);
   struct work work = {tree, goal, basis, node, most * node}, *w = &work;
   struct rad_progress *progress = tree->mesh->scene->progress;
@@ -252,7 +272,11 @@ enum rad_code rad_basis_build(const struct rad_tree *tree, const struct rad_basi
       rad_progress_add(progress, 1);
     }
   }
-  return basis->failed ? rad_fail_memory(e, "the bases of the clusters", 0) : RAD_OK;
+  if (basis->failed)
+    return rad_fail_memory(e, "the bases of the clusters", 0);
+  return rad_stop_asked() && memchr(basis->state, RAD_BASIS_MISSING, (size_t)n_triangle)
+             ? rad_fail_stopped(e)
+             : RAD_OK;
 }
 
 void rad_basis_free(struct rad_basis *basis) {
@@ -265,5 +289,6 @@ void rad_basis_free(struct rad_basis *basis) {
   free(basis->rank);
   free(basis->matrix);
   free(basis->change);
+  free(basis->state);
   *basis = (struct rad_basis){0};
 }

@@ -5,6 +5,7 @@
 #include "base/clock.h"
 #include "base/memory.h"
 #include "base/scramble.h"
+#include "base/stop.h"
 #include "system/h2.h"
 #include "system/h2_near.h"
 #include "visibility/visibility.h"
@@ -113,7 +114,7 @@ static int sample_rows(const struct rad_h2 *h, const struct rad_rules *rules, st
     reduction(| : failed)
   for (int task = 0; task < GROUPS * n; task++) {
     const struct group *g = &c->group[task / n];
-    if (sees[(size_t)g->triangle * (size_t)n + (size_t)(task % n)])
+    if (sees[(size_t)g->triangle * (size_t)n + (size_t)(task % n)] && !rad_stop_asked())
       failed |= !multiply_rows(h, rules, g, task % n, c->z, &c->scratch[omp_get_thread_num()],
                                c->sum[task]);
     rad_progress_add(progress, 1);
@@ -159,6 +160,8 @@ enum rad_code rad_h2_check(struct rad_h2 *h, const struct rad_rules *rules, stru
     rad_h2_apply(h, RAD_MOST_VECTORS, in, out);
     if (!sample_rows(h, rules, &c))
       code = rad_fail_memory(e, "the check of the matrix", 0);
+    else if (rad_stop_asked())
+      code = rad_fail_stopped(e);
     else
       compare(h, &c);
   }

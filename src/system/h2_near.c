@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "integrate/task.h"
 #include "system/sector.h"
 
 /* Memory of one thread. */
@@ -206,21 +207,22 @@ static enum rad_code set_spread(struct rad_h2 *h, const struct rad_interpolation
   return RAD_OK;
 }
 
-static enum rad_code reserve(struct rad_h2 *h, const struct rad_interpolation *p, int narrow,
-                             struct rad_error *e) {
-  enum rad_code code = reserve_blocks(h, NULL, narrow, &h->near, e);
-  if (!code)
-    code = reserve_blocks(h, p, narrow, &h->sector, e);
-  return code ? code : set_spread(h, p, e);
-}
-
-enum rad_code rad_h2_near(struct rad_h2 *h, const struct rad_rules *rules, int narrow,
-                          struct rad_error *e) {
+enum rad_code rad_h2_near_begin(struct rad_h2 *h, int narrow, struct rad_error *e) {
   struct rad_interpolation p;
   rad_interpolation_init(&p, h->tolerance);
-  enum rad_code code = reserve(h, &p, narrow, e);
-  if (code)
-    return code;
+  enum rad_code code = reserve_blocks(h, NULL, narrow, &h->near, e);
+  if (!code)
+    code = reserve_blocks(h, &p, narrow, &h->sector, e);
+  if (!code)
+    code = set_spread(h, &p, e);
+  if (!code && !(h->near_done = rad_calloc((size_t)h->tree.n_cluster, 1)))
+    code = rad_fail_memory(e, "the near blocks", (double)h->tree.n_cluster);
+  return code;
+}
+
+enum rad_code rad_h2_near(struct rad_h2 *h, const struct rad_rules *rules, struct rad_error *e) {
+  struct rad_interpolation p;
+  rad_interpolation_init(&p, h->tolerance);
   int n_thread = omp_get_max_threads(), failed = 0;
   struct rad_scratch *scratch = rad_scratch_make(h->mesh, n_thread, e);
   struct strip *strip = rad_calloc((size_t)n_thread, sizeof *strip);
@@ -231,8 +233,12 @@ enum rad_code rad_h2_near(struct rad_h2 *h, const struct rad_rules *rules, int n
     shared(h, rules, p, strip, scratch, progress) reduction(| : failed)
     for (int t = 0; t < h->tree.n_cluster; t++) {
       int me = omp_get_thread_num();
-      failed |= !fill_strip(h, rules, NULL, t, &strip[me], &scratch[me]) ||
-                !fill_strip(h, rules, &p, t, &strip[me], &scratch[me]);
+      const struct rad_counters before = scratch[me].counters;
+      if (rad_task_begin(h->near_done, (size_t)t)) {
+        failed |= !fill_strip(h, rules, NULL, t, &strip[me], &scratch[me]) ||
+                  !fill_strip(h, rules, &p, t, &strip[me], &scratch[me]);
+        rad_task_end(h->near_done, (size_t)t, &before, &scratch[me]);
+      }
       rad_progress_add(progress, 1);
     }
   } else if (scratch) {
@@ -245,6 +251,8 @@ enum rad_code rad_h2_near(struct rad_h2 *h, const struct rad_rules *rules, int n
     free(strip[t].value);
   }
   free(strip);
-  code = scratch ? rad_scratch_end(scratch, n_thread, &h->counters, e) : RAD_ESYSTEM;
+  enum rad_code code = scratch ? rad_scratch_end(scratch, n_thread, &h->counters, e) : RAD_ESYSTEM;
+  if (!code && !failed && memchr(h->near_done, 0, (size_t)h->tree.n_cluster))
+    code = rad_fail_stopped(e);
   return failed ? rad_fail_memory(e, "the near blocks", 0) : code;
 }

@@ -4,9 +4,12 @@
 
 #include "system/h2.h"
 
-/* Integrate all near blocks of h, in parallel over target leaves; narrow: single precision. */
-enum rad_code rad_h2_near(struct rad_h2 *h, const struct rad_rules *rules, int narrow,
-                          struct rad_error *e);
+/* Memory for the near blocks, none of which is done; narrow: single precision. */
+enum rad_code rad_h2_near_begin(struct rad_h2 *h, int narrow, struct rad_error *e);
+
+/* Integrate the near blocks that are not done, in parallel over target leaves. RAD_ESTOPPED once
+ * rad_stop_asked(). */
+enum rad_code rad_h2_near(struct rad_h2 *h, const struct rad_rules *rules, struct rad_error *e);
 
 /* An element of a leaf's near sources, and the column that it begins at if the blocks stand side by
  * side. */

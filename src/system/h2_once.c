@@ -7,6 +7,7 @@
 
 #include "base/memory.h"
 #include "base/simd_math.h"
+#include "base/stop.h"
 #include "base/vec.h"
 #include "system/h2.h"
 #include "system/h2_leaf.h"
@@ -319,7 +320,8 @@ static void near_values(const struct product *p, int triangle, int first, int m,
   double *out = d->work + p->block;
   struct rad_targets targets = {triangle, m, d->base + first, (const double(*)[2])(d->mu + first),
                                 NULL};
-  for (int at = 0; (n_piece = take_pieces(p, &d->near, m, &at, element, column)) > 0;) {
+  for (int at = 0;
+       !rad_stop_asked() && (n_piece = take_pieces(p, &d->near, m, &at, element, column)) > 0;) {
     rad_element_list_block(o->mesh, o->rules, &targets, n_piece, element, column, d->work, m,
                            &p->scratch[thread]);
     for (int i = 0; i < n_piece; i++) {
@@ -361,7 +363,7 @@ static int go_down(const struct product *p) {
     double *work = p->down[omp_get_thread_num()].work;
 #pragma omp for schedule(dynamic)
     for (int c = 0; c < tree->n_cluster; c++)
-      if (p->is_far[c])
+      if (p->is_far[c] && !rad_stop_asked())
         far_blocks(p, c, work);
     for (int level = 1; level < tree->n_level; level++)
 #pragma omp for schedule(dynamic)
@@ -422,6 +424,8 @@ enum rad_code rad_once_at(struct rad_once *o, const struct rad_element_points *p
   free_product(&p, n_thread);
   if (!code)
     code = rad_scratch_end(p.scratch, n_thread, NULL, e);
+  if (!code && !failed && rad_stop_asked())
+    code = rad_fail_stopped(e);
   return failed && !code ? rad_fail_memory(e, "products by interpolation", (double)node_bytes(o))
                          : code;
 }

@@ -63,6 +63,7 @@ typedef void rad_once_visitor(void *context, int thread, int element, int target
  * @param[in]  n_near  near blocks are added to the first so many vectors only
  * @param[out] y       [n_vector] of [n], all written
  * @param      visit   of near elements, or NULL
+ * @return RAD_ESTOPPED once rad_stop_asked(); y is then not whole
  * Every value has one owner and a fixed order of summation: the same bits for any number of
  * threads. Error: o->tolerance of far blocks and rules->tolerance of near ones, times max |u_v|.
  */

@@ -6,6 +6,7 @@
 
 #include "base/clock.h"
 #include "base/memory.h"
+#include "base/stop.h"
 #include "system/parts.h"
 
 enum rad_solver rad_solver_pick(enum rad_solver asked, double n) {
@@ -93,13 +94,57 @@ static enum rad_code check_contraction(const struct rad_operator *k, const doubl
                   white + 1, scene->surface_name[scene->triangle[white].surface]);
 }
 
+enum rad_code rad_iterate_init(int n_system, int n, struct rad_iterate *x, struct rad_error *e) {
+  size_t m = (size_t)n_system;
+  rad_iterate_free(x);
+  x->u = rad_alloc(m * (size_t)n, sizeof(double));
+  x->steps = rad_alloc(m, sizeof(int64_t));
+  x->before = rad_alloc(m, sizeof(double));
+  if (!x->u || !x->steps || !x->before)
+    return rad_fail_memory(e, "the iterate", 8.0 * (double)m * n);
+  x->n_system = n_system;
+  return RAD_OK;
+}
+
+void rad_iterate_free(struct rad_iterate *x) {
+  free(x->u);
+  free(x->steps);
+  free(x->before);
+  *x = (struct rad_iterate){0};
+}
+
+/* Systems to where an earlier run has left them. */
+static void take_up(const struct rad_iterate *x, int n_system, int n, struct rad_linear *system) {
+  if (!x || x->n_system != n_system)
+    return;
+  for (int i = 0; i < n_system; i++) {
+    memcpy(system[i].u, x->u + (size_t)i * (size_t)n, sizeof(double) * (size_t)n);
+    system[i].steps = (int)x->steps[i];
+    system[i].before = x->before[i];
+    system[i].goes_on = 1;
+  }
+}
+
+/* Systems as they are, after a signal. */
+static enum rad_code lay_down(int n_system, int n, const struct rad_linear *system,
+                              struct rad_iterate *x, struct rad_error *e) {
+  enum rad_code code = x ? rad_iterate_init(n_system, n, x, e) : RAD_OK;
+  for (int i = 0; x && !code && i < n_system; i++) {
+    memcpy(x->u + (size_t)i * (size_t)n, system[i].u, sizeof(double) * (size_t)n);
+    x->steps[i] = system[i].steps;
+    x->before[i] = system[i].before;
+  }
+  return code ? code : rad_fail_stopped(e);
+}
+
 /* u after a number of bounces, and the bound kappa^(b+1) / (1 - kappa) max E of the rest. */
-static void neumann(const struct rad_operator *k, int bounces, const struct rad_linear *l,
-                    double *work, struct rad_solve_report *report) {
+static void neumann(const struct rad_operator *k, int bounces, struct rad_linear *l, double *work,
+                    struct rad_solve_report *report) {
   int n = k->n;
   const double *u = l->u;
-  memcpy(l->u, l->emission, sizeof(double) * (size_t)n);
-  for (int b = 0; b < bounces; b++) {
+  if (!l->goes_on)
+    memcpy(l->u, l->emission, sizeof(double) * (size_t)n);
+  for (; l->steps < bounces && !rad_stop_asked(); l->steps++) {
     rad_operator_apply(k, 1, &u, &work);
     for (int i = 0; i < n; i++)
       l->u[i] = l->emission[i] + l->rho[i] * work[i];
@@ -112,19 +157,24 @@ static void neumann(const struct rad_operator *k, int bounces, const struct rad_
 }
 
 /* Every band by GMRES at once, with w (E = 1) as one more system each. */
-static enum rad_code gmres(const struct rad_operator *k, double tolerance, int n_band,
-                           const struct rad_linear *band, double *one, double *w,
+static enum rad_code gmres(const struct rad_operator *k, const struct rad_solve_options *o,
+                           int n_band, const struct rad_linear *band, double *one, double *w,
                            struct rad_solve_report *report, struct rad_error *e) {
   struct rad_linear system[2 * RAD_MAX_BAND];
   for (int i = 0; i < k->n; i++)
     one[i] = 1;
   for (int b = 0; b < n_band; b++) {
     system[b] = band[b];
-    system[b].tolerance = tolerance;
-    system[n_band + b] =
-        (struct rad_linear){band[b].rho, one, w + (size_t)b * (size_t)k->n, tolerance, 0};
+    system[b].tolerance = o->tolerance;
+    system[n_band + b] = (struct rad_linear){.rho = band[b].rho,
+                                             .emission = one,
+                                             .u = w + (size_t)b * (size_t)k->n,
+                                             .tolerance = o->tolerance};
   }
+  take_up(o->iterate, 2 * n_band, k->n, system);
   enum rad_code code = rad_gmres(k, 2 * n_band, system, e);
+  if (code == RAD_ESTOPPED)
+    code = lay_down(2 * n_band, k->n, system, o->iterate, e);
   for (int b = 0; b < n_band; b++)
     report->iterations =
         report->iterations > system[b].steps ? report->iterations : system[b].steps;
@@ -133,17 +183,20 @@ static enum rad_code gmres(const struct rad_operator *k, double tolerance, int n
 
 /* The solver that was asked for, on every band; w [n_band, n] but for Neumann. */
 static enum rad_code dispatch(const struct rad_operator *k, const struct rad_solve_options *o,
-                              const int *part, int n_band, const struct rad_linear *band,
-                              double *one, double *w, struct rad_solve_report *report,
-                              struct rad_error *e) {
+                              const int *part, int n_band, struct rad_linear *band, double *one,
+                              double *w, struct rad_solve_report *report, struct rad_error *e) {
   enum rad_code code = RAD_OK;
+  if (report->solver == RAD_SOLVER_NEUMANN)
+    take_up(o->iterate, n_band, k->n, band);
   if (report->solver == RAD_SOLVER_GMRES)
-    code = gmres(k, o->tolerance, n_band, band, one, w, report, e);
+    code = gmres(k, o, n_band, band, one, w, report, e);
   for (int b = 0; b < n_band && !code && report->solver == RAD_SOLVER_LU; b++)
     code =
         rad_lu(k->dense, report->n_part, part, &band[b], w + (size_t)b * (size_t)k->n, report, e);
   for (int b = 0; b < n_band && report->solver == RAD_SOLVER_NEUMANN; b++)
     neumann(k, o->bounces, &band[b], one, report);
+  if (report->solver == RAD_SOLVER_NEUMANN && rad_stop_asked())
+    code = lay_down(n_band, k->n, band, o->iterate, e);
   report->inverse_norm =
       code || report->solver == RAD_SOLVER_NEUMANN ? NAN : max_abs(k->n * n_band, w);
   return code;
@@ -169,7 +222,7 @@ enum rad_code rad_solve(const struct rad_operator *k, const struct rad_solve_opt
   enum rad_code code = RAD_OK;
   for (int b = 0; b < n_band && !code; b++) {
     size_t at = (size_t)b * n;
-    band[b] = (struct rad_linear){rho + at, emission + at, u + at, 0, 0};
+    band[b] = (struct rad_linear){.rho = rho + at, .emission = emission + at, .u = u + at};
     code = check_contraction(k, band[b].rho, options->quadrature, report->n_part, part,
                              &report->kappa, e);
   }

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "base/stop.h"
 #include "base/vec.h"
 #include "visibility/bvh.h"
 #include "visibility/occluder.h"
@@ -89,7 +90,7 @@ static void fill_row(const struct rad_occluders *o, const struct sheets *s, int 
   const int n = o->scene->n_triangle;
   size_t room = 0;
   int used = 0;
-  for (int j = i + 1; j < n; j++) {
+  for (int j = i + 1; j < n && !rad_stop_asked(); j++) {
     int count = 0;
     sight[(size_t)i * (size_t)n + (size_t)j] = sight_of(o, s, i, j, list, &count);
     if (count == 0 || row->full)

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
+#include "base/stop.h"
 
 /* Part of the memory that lists of blockers may take; they only save time. */
 #define MEMORY_PART 0.05
@@ -34,6 +35,8 @@ enum rad_code rad_visibility_build(struct rad_scene *scene, struct rad_visibilit
   v->row = rad_calloc(n, sizeof *v->row);
   if (!v->row || !(v->sight = rad_sight_matrix(&v->occluders, most, v->row)))
     code = rad_fail_memory(e, "the table of triangles that see each other", (double)(n * n));
+  if (!code && rad_stop_asked())
+    code = rad_fail_stopped(e);
   for (size_t i = 0; i < n && !code; i++)
     for (size_t j = i + 1; j < n; j++)
       v->n_partly += v->sight[i * n + j] == RAD_PARTLY;

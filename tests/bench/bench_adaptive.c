@@ -37,7 +37,8 @@ static double final_solve(const struct rad_adaptive *a, const struct rad_goal *g
   need(rad_rules_build(&mesh, a->quadrature, &rules, &e), &e);
   need(rad_dense_assemble(&mesh, &rules, &none, &dense, &e), &e);
   double *u = rad_calloc((size_t)mesh.n_point * 2, sizeof(double)), *h = u + mesh.n_point;
-  struct rad_solve_options o = {goal->solver, 0.01 * goal->tolerance, 0, a->quadrature};
+  struct rad_solve_options o = {
+      .solver = goal->solver, .tolerance = 0.01 * goal->tolerance, .quadrature = a->quadrature};
   struct rad_operator k = rad_operator_dense(&dense);
   need(rad_solve(&k, &o, 1, a->rho, a->emission, u, h, &report, &e), &e);
   need(rad_indicate(&mesh, &rules, dense.sees, a->layout.passive, u, INFINITY, &indicator, &e), &e);

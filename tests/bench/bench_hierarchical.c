@@ -102,7 +102,8 @@ static void print_build(const struct rad_h2 *h, const struct rad_h2_plan *plan, 
 static void solve(const struct rad_h2 *h) {
   size_t n = (size_t)h->mesh->n_point;
   double *data = rad_alloc(4 * n, sizeof(double));
-  struct rad_solve_options o = {RAD_SOLVER_GMRES, 1e-10, 0, h->tolerance};
+  struct rad_solve_options o = {
+      .solver = RAD_SOLVER_GMRES, .tolerance = 1e-10, .quadrature = h->tolerance};
   struct rad_solve_report report;
   struct rad_operator k = rad_operator_h2(h);
   struct rad_error e;

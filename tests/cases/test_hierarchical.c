@@ -285,7 +285,7 @@ START_TEST(solutions) {
   ck_assert_int_eq(rad_dense_assemble(c.mesh, &c.rules, NULL, &c.dense, &e), RAD_OK);
   compress(&c, p->tolerance);
   struct rad_operator k[2] = {rad_operator_dense(&c.dense), rad_operator_h2(&c.h2)};
-  struct rad_solve_options o = {RAD_SOLVER_AUTO, 1e-13, 0, c.rules.tolerance};
+  struct rad_solve_options o = {.tolerance = 1e-13, .quadrature = c.rules.tolerance};
   struct rad_solve_report report;
   for (int m = 0; m < 2; m++)
     ck_assert_msg(rad_solve(&k[m], &o, 1, data, data + n, u[m], data + 4 * n, &report, &e) ==

@@ -1,0 +1,34 @@
+/* A case to a checkpoint, and from one. */
+#ifndef RAD_APP_CHECKPOINT_H
+#define RAD_APP_CHECKPOINT_H
+
+#include "app/case.h"
+#include "app/command.h"
+
+/* What a case holds after RAD_ESTOPPED, for a run that goes on from there. */
+enum rad_code rad_case_save(struct rad_case *c, const char *path, const char *command,
+                            double started, struct rad_error *e);
+
+/**
+ * Go on from a checkpoint: see that it is whole and of this deck, and take the matrix' form from
+ * it where the deck leaves that open. After rad_case_prepare and before rad_case_solve.
+ *
+ * @param[in] path  kept by the case
+ */
+enum rad_code rad_case_restart(struct rad_case *c, const char *path, struct rad_error *e);
+
+/* Part of rad_case_solve: what c->restart has of the matrix, just begun, and of the iterate. */
+enum rad_code rad_case_restore(struct rad_case *c, struct rad_error *e);
+
+/* The checkpoint that a command goes on from, or NULL. One that is not there yet, but would be
+ * written, is none: it is the first time that this command runs. */
+const char *rad_restart_find(const struct rad_command *command);
+
+/* After RAD_ESTOPPED: keep what was done, if a checkpoint is asked for.
+ *
+ * @return RAD_ECHECKPOINT when it is written, RAD_ESTOPPED if none is asked for
+ */
+enum rad_code rad_case_stopped(struct rad_case *c, const struct rad_command *command,
+                               double started, struct rad_error *e);
+
+#endif

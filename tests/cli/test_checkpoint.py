@@ -1,0 +1,149 @@
+"""Runs that are stopped by a signal: a checkpoint that restarts to the same bits, or a clean end.
+
+POLYRAD_TEST_FULL=1 takes ten times as many moments. The seed is printed; POLYRAD_TEST_SEED sets it.
+"""
+
+import os
+import random
+import re
+import signal
+import subprocess
+import sys
+import time
+import unittest
+
+from test_cli import Case, CORNER, PROGRAM, triangle
+
+FULL = bool(os.environ.get("POLYRAD_TEST_FULL"))
+N_MOMENT = 200 if FULL else 20
+SEED = int(os.environ.get("POLYRAD_TEST_SEED", time.time_ns() % 10**6))
+SECONDS = 120  # a run on a busy machine
+
+# What may differ between a run and the same run in pieces.
+OWN = re.compile(r"attribute: <(started|command|seconds_\w+|peak_memory_bytes) of <(/[\w/]+)>>")
+
+CORNER_FACES = (triangle("floor", [[0, 0, 0], [1, 0, 0], [0, 1, 0]], [0, 0, 1], 0.5, 0.5)
+                + triangle("x0", [[0, 0, 0], [0, 1, 0], [0, 0, 1]], [1, 0, 0], 0.9, 1)
+                + triangle("y0", [[0, 0, 0], [0, 0, 1], [1, 0, 0]], [0, 1, 0], 0.5, 0.3))
+BLOCKER = triangle("blocker", [[.1, .1, .2], [.4, .1, .2], [.1, .4, .2]], [0, 0, 1], 0.3, 0)
+PROBE = "probes:\n  - {name: a, surface: floor, at: [0.3, 0.3, 0]}\n"
+DECKS = {
+    "hierarchical": CORNER_FACES + PROBE + "method: {mesh: paper, elements: 8, matrix: hierarchical, "
+                    "quadrature_tolerance: 1e-8}\n",
+    "dense": CORNER_FACES + PROBE + "method: {mesh: paper, elements: 6, quadrature_tolerance: 1e-9}\n",
+    "adaptive": CORNER_FACES + PROBE + "accuracy: {tolerance: 1e-5}\n",
+    "shadow": CORNER_FACES + BLOCKER + PROBE + "method: {mesh: uniform, elements: 12, degree: 1, "
+              "matrix: hierarchical, quadrature_tolerance: 1e-5}\n",
+}
+
+
+class Signals(Case):
+    def start(self, *words):
+        env = dict(os.environ, LC_ALL="C", OMP_NUM_THREADS="2")
+        return subprocess.Popen([PROGRAM, *words], cwd=self.folder, env=env, text=True,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+
+    def stop(self, delay, number, *words):
+        """Start, send a signal after a while; exit code and stderr."""
+        p = self.start(*words)
+        time.sleep(delay)
+        p.send_signal(number)
+        _, err = p.communicate(timeout=SECONDS)
+        return p.returncode, err
+
+    def assert_same(self, a, b):
+        p = subprocess.run(["h5diff", self.path(a), self.path(b)], text=True, stdout=subprocess.PIPE,
+                           stderr=subprocess.STDOUT)
+        lines = [line for line in p.stdout.splitlines() if not re.match(r"\d+ differences found", line)]
+        self.assertEqual([line for line in lines if not OWN.fullmatch(re.sub(r" and .*", "", line))], [],
+                         "files differ")
+        self.assertGreater(len(lines), 0, "two runs differ at least in their command")
+
+    def write_deck(self, name):
+        self.write("deck.yml", "scene:\n  triangles:\n" + DECKS[name])
+        start = time.time()
+        self.done("run", "deck.yml", "-o", "whole.h5", "--quiet")
+        return time.time() - start
+
+    def look(self, name, n, rng):
+        """Stopped at random moments, each time until it is done."""
+        seconds = self.write_deck(name)
+        stopped = 0
+        words = ("run", "deck.yml", "-o", "pieces.h5", "--quiet", "--checkpoint", "c.h5",
+                 "--restart", "c.h5")
+        for _ in range(n):
+            moment, number = 1.1 * seconds * rng.random(), rng.choice((signal.SIGTERM, signal.SIGUSR1))
+            code, err = self.stop(moment, number, *words)
+            told = "%s, %s after %.3f of %.3f s: %d, %s" % (name, number.name, moment, seconds, code, err)
+            if code == -number:  # before the program has looked at its command line
+                self.assertEqual((self.files(), err), (["deck.yml", "whole.h5"], ""), told)
+                continue
+            if code == 85:
+                stopped += 1
+                self.assertEqual(self.files(), ["c.h5", "deck.yml", "whole.h5"], told)
+                self.assertIn("stopped by %s; checkpoint written to c.h5" % number.name, err)
+                p = self.call(*words)
+                self.assertEqual((p.returncode, p.stderr), (0, ""), told)
+                os.remove(self.path("c.h5"))
+            self.assertIn(code, (0, 85), told)
+            self.assertEqual(self.files(), ["deck.yml", "pieces.h5", "whole.h5"], told)
+            self.assert_same("whole.h5", "pieces.h5")
+            os.remove(self.path("pieces.h5"))
+        return stopped
+
+    def test_random_moments(self):
+        print("seed %d" % SEED, file=sys.__stderr__)
+        rng = random.Random(SEED)
+        stopped = sum(self.look(name, N_MOMENT // len(DECKS), rng) for name in DECKS)
+        self.assertGreater(stopped, 0, "no run was stopped on its way")
+
+    def test_without_checkpoint(self):
+        """Killed by the signal, with a sentence, and nothing written."""
+        self.write_deck("hierarchical")
+        for number in (signal.SIGTERM, signal.SIGUSR1):
+            for verb in ("run", "study"):
+                self.write("deck.yml", "scene:\n  triangles:\n" + DECKS["shadow"].replace("12", "40")
+                           + "study: {vary: {method.degree: [1]}}\n")
+                code, err = self.stop(1, number, verb, "deck.yml", "-o", "out.h5")
+                self.assertEqual(code, -number, err)
+                self.assertRegex(err, r"\Astopped by %s; nothing is written[^\n]*\n\Z|\A\Z" % number.name)
+                self.assertEqual(self.files(), ["deck.yml", "whole.h5"])
+
+
+class Restart(Case):
+    small = ("--set", "method.elements=1", "--quiet")
+
+    def test_missing_checkpoint(self):
+        text = self.refused(3, "run", CORNER, *self.small, "--restart", "no.h5")
+        self.assertIn("cannot read no.h5: No such file", text)
+        text = self.refused(3, "run", CORNER, *self.small, "--restart", "no.h5", "--checkpoint", "c.h5")
+        self.assertIn("cannot read no.h5", text)
+        self.assertEqual(self.files(), [])
+
+    def test_the_first_of_many_times(self):
+        """The same name for both: there need not be one yet."""
+        p = self.call("run", CORNER, *self.small, "--restart", "c.h5", "--checkpoint", "c.h5")
+        self.assertEqual((p.returncode, p.stderr),
+                         (0, "c.h5 does not exist yet: the run starts from the beginning\n"))
+        self.assertEqual(self.files(), ["cube_corner.vtkhdf"])
+
+    def test_a_result_is_no_checkpoint(self):
+        self.done("run", CORNER, *self.small, "-o", "r.h5")
+        text = self.refused(3, "run", CORNER, *self.small, "--restart", "r.h5")
+        self.assertIn("r.h5 is not a polyrad checkpoint (a result?)", text)
+
+    def test_where_it_cannot_be_written(self):
+        """Told before the work is done, not after."""
+        text = self.refused(3, "run", CORNER, *self.small, "--checkpoint", "no/such.h5")
+        self.assertIn("cannot write no/such.h5: No such file", text)
+        text = self.refused(2, "run", CORNER, *self.small, "-o", "a.h5", "--checkpoint", "a.h5")
+        self.assertIn("would overwrite", text)
+        self.assertEqual(self.files(), [])
+
+    def test_usage(self):
+        self.assertIn("--checkpoint needs", self.refused(2, "run", CORNER, "--checkpoint"))
+        self.assertIn("are for polyrad run", self.refused(2, "study", CORNER, "--restart", "a.h5"))
+
+
+if __name__ == "__main__":
+    unittest.main()
