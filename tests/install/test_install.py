@@ -15,8 +15,8 @@ import unittest
 
 BUILD, SOURCE = (pathlib.Path(os.environ[k]) for k in ("POLYRAD_BUILD", "POLYRAD_SOURCE"))
 CC = os.environ.get("CC", "cc")
-CALLS = {"create", "solve", "get_summary", "evaluate", "evaluate_at", "surface_means", "surface_heat", "view_factors", "error_text",
-         "warning", "free", "version"}
+CALLS = {"create", "solve", "get_summary", "evaluate", "evaluate_at", "surface_means", "surface_heat",
+         "view_factors", "error_text", "warning", "free", "version"}
 
 
 def run(*command, **more):
@@ -85,6 +85,63 @@ class Install(unittest.TestCase):
     def test_only_the_api_is_exported(self):
         names = {line.split()[-1] for line in run("nm", "-D", "--defined-only", self.shared).splitlines()}
         self.assertEqual(names, {"polyrad_" + c for c in CALLS})
+
+    def help(self):
+        return run(self.prefix / "bin/polyrad", "--help", env=self.environment)
+
+    def page(self, name):
+        return next(self.root.rglob(name)).read_text().replace("\\-", "-")
+
+    def test_man_pages_say_what_help_says(self):
+        text = self.help()
+        commands = re.findall(r"^([a-z]+) {2,}\S", text, re.MULTILINE)
+        options = re.findall(r"^  (-[-a-z]+)", text, re.MULTILINE)
+        self.assertTrue({"run", "check", "study", "info"} <= set(commands) and "--threads" in options)
+        whole = self.page("polyrad.1")
+        for word in commands + options:
+            self.assertIn("\\fB" + word + "\\fR", whole)
+        for command in commands:
+            page = self.page(f"polyrad-{command}.1")
+            self.assertIn(f"polyrad {command} ", page)
+            synopsis = "".join(re.findall(rf"^  polyrad {command} .*(?:\n {{8}}.*)*", text, re.MULTILINE))
+            for option in options:  # those of its synopsis, and no others
+                self.assertEqual(f"\\fB{option}\\fR" in page,
+                                 bool(re.search(rf"(?<![\w-]){option}(?![\w-])", synopsis)), (command, option))
+
+    def test_man_page_of_the_deck_has_every_key(self):
+        page, text = self.page("polyrad.5"), (SOURCE / "docs/format.md").read_text()
+        keys = re.findall(r"^\| `([a-z_.]+)` \|", text.split("## 4.")[0].split("## 3.")[1], re.MULTILINE)
+        self.assertGreater(len(keys), 30)
+        for key in keys:
+            self.assertIn(f"\\fB{key}\\fR", page)
+
+    def test_man_pages_are_well_formed(self):
+        if not shutil.which("groff"):
+            self.skipTest("groff is not installed")
+        for path in self.root.rglob("man?/polyrad*"):
+            self.assertEqual(run("groff", "-man", "-Kutf8", "-Tutf8", "-ww", "-z", path), "", path)
+
+    def complete(self, *words, folder=None):
+        script = next(self.root.rglob("completions/polyrad"))
+        code = f'source {script}; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _polyrad; printf "%s\\n" "${{COMPREPLY[@]}}"'
+        return run("bash", "-c", code, "bash", self.prefix / "bin/polyrad", *words, cwd=folder or self.root,
+                   env=self.environment).split()
+
+    def test_completion(self):
+        commands = re.findall(r"^([a-z]+) {2,}\S", self.help(), re.MULTILINE)
+        self.assertEqual(set(self.complete("")), {*commands, "--help", "--version"})
+        self.assertEqual(self.complete("st"), ["study"])
+        self.assertTrue({"-o", "--set", "--threads", "--quiet", "--help"} <= set(self.complete("run", "-")))
+        self.assertEqual(set(self.complete("info", "-")), {"--help"})
+        self.assertEqual(self.complete("check", "--qu"), [])
+        self.assertEqual(self.complete("run", "--threads", ""), ["1"])  # nproc heeds OMP_NUM_THREADS
+        files = self.root / "files"
+        files.mkdir(exist_ok=True)
+        for name in ("a.yml", "b.vtkhdf", "c.txt"):
+            (files / name).touch()
+        self.assertEqual(self.complete("run", "", folder=files), ["a.yml"])
+        self.assertEqual(self.complete("info", "", folder=files), ["b.vtkhdf"])
+        self.assertEqual(sorted(self.complete("run", "-o", "", folder=files)), ["a.yml", "b.vtkhdf", "c.txt"])
 
     def test_program(self):
         out = run(self.prefix / "bin/polyrad", "--version")
