@@ -113,7 +113,7 @@ static enum rad_code read_name(struct reader *r, enum naming kind, const char *s
 }
 
 static int same_word(struct rad_word a, struct rad_word b) {
-  return a.n == b.n && (a.text == b.text || !memcmp(a.text, b.text, a.n));
+  return a.n == b.n && (a.n == 0 || !memcmp(a.text, b.text, a.n));
 }
 
 /* Start a new part if the names have changed since the last face. */

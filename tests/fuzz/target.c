@@ -1,10 +1,8 @@
-#define _GNU_SOURCE /* memfd_create */
 #include "target.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 #include <unistd.h>
 
 #include "base/text.h"
@@ -14,12 +12,19 @@ void fuzz_broken(const char *condition, const char *file, int line) {
   abort();
 }
 
+static char path[64];
+static int fd = -1;
+
+static void remove_file(void) {
+  unlink(path);
+}
+
 const char *fuzz_file(const void *bytes, size_t n) {
-  static char path[64];
-  static int fd = -1;
   if (fd < 0) {
-    REQUIRE((fd = memfd_create("input", 0)) >= 0);
-    snprintf(path, sizeof path, "/proc/self/fd/%d", fd);
+    strcpy(path,
+           access("/dev/shm", W_OK) ? "/tmp/polyrad_fuzz_XXXXXX" : "/dev/shm/polyrad_fuzz_XXXXXX");
+    REQUIRE((fd = mkstemp(path)) >= 0);
+    atexit(remove_file);
   }
   REQUIRE(ftruncate(fd, 0) == 0);
   REQUIRE(pwrite(fd, bytes, n, 0) == (ssize_t)n);

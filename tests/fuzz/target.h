@@ -10,7 +10,7 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n);
 
-/* The path of a file, kept in memory, that holds these bytes until the next call. */
+/* The path of a file, in memory if that can be, that holds these bytes until the next call. */
 const char *fuzz_file(const void *bytes, size_t n);
 
 /* Ends the process, which both drivers report with the input. */
