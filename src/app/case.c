@@ -7,11 +7,14 @@
 #include "app/checkpoint.h"
 #include "base/clock.h"
 #include "base/memory.h"
+#include "system/coarse.h"
 
 /* Unknowns of a mesh by hand up to which its error is bounded: rows at 20 to 50 times as many
  * points.
  */
 enum { MOST_BOUNDED = 3000 };
+#define BOUND_BYTES 8e3 /* of each of them, while the error is bounded (measured) */
+#define WORK_BYTES 320  /* of each unknown: products and check of a hierarchical matrix */
 
 /* |inverse| over 1/(1 - kappa), kappa known at the collocation points only: stable methods stay
  * below 1.08 (docs/stability.md). */
@@ -54,6 +57,15 @@ static void choose_mode(struct rad_case *c) {
                                       m->solver != RAD_SOLVER_NEUMANN && !folded);
 }
 
+/* True if rho is so near to 1 somewhere that GMRES may need its coarse problem: that depends on how
+ * narrow the scene is, so that half of it is counted. */
+static int is_bright(const struct rad_scene *s) {
+  double most = 0;
+  for (size_t i = 0; i < (size_t)s->n_triangle * (size_t)s->n_band; i++)
+    most = fmax(most, s->rho[i]);
+  return most > 0.9;
+}
+
 /* Sizes of the run, from counts alone. */
 static void plan(struct rad_case *c) {
   struct rad_plan *p = &c->plan;
@@ -66,8 +78,13 @@ static void plan(struct rad_case *c) {
   p->matrix_bytes = 8 * n * n;
   p->matrix = RAD_MATRIX_DENSE;
   p->rest_bytes = mesh + picture;
+  if (c->wants_bound && n <= MOST_BOUNDED)
+    p->rest_bytes += BOUND_BYTES * n * nb;
+  if (p->solver == RAD_SOLVER_GMRES && is_bright(&c->scene))
+    p->rest_bytes += 0.5 * rad_coarse_bytes(n, nb);
+  p->base_bytes = rad_memory_resident();
   p->bytes = rad_solver_bytes(p->solver, n, nb) + p->rest_bytes;
-  p->available = rad_memory_available();
+  p->available = fmax(rad_memory_available() - rad_memory_reserved(omp_get_max_threads()), 0);
   p->pairs = n * elements;
 }
 
@@ -108,7 +125,7 @@ static enum rad_code choose_matrix(struct rad_case *c, struct rad_error *e) {
   double vectors = rad_solver_bytes(p->solver, p->unknowns, c->scene.n_band) - p->matrix_bytes;
   p->near_entries = h2.near_entries;
   p->matrix_bytes = h2.bytes;
-  p->bytes = fmax(h2.bytes_build, h2.bytes + vectors) + p->rest_bytes;
+  p->bytes = fmax(h2.bytes_build, h2.bytes + vectors) + WORK_BYTES * p->unknowns + p->rest_bytes;
   return refuse_too_large(c, e);
 }
 

@@ -9,7 +9,8 @@
 #include "visibility/visibility.h"
 
 struct rad_plan {
-  double bytes;        /* memory that the run holds at once */
+  double bytes;        /* memory that the run takes at once, from here on */
+  double base_bytes;   /* held already: libraries, scene, visibility */
   double matrix_bytes; /* of the matrix alone */
   double rest_bytes;   /* of mesh and picture */
   double near_entries; /* of a hierarchical matrix */

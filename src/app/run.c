@@ -356,7 +356,7 @@ enum rad_code rad_app_check(const struct rad_command *command, struct rad_error 
     print_head(&c, command->out);
     fprintf(command->out, "  matrix   %.4g MB, %s; the run holds %.4g MB of %.4g MB available\n",
             p->matrix_bytes / 1e6, p->matrix == RAD_MATRIX_DENSE ? "dense" : "hierarchical",
-            p->bytes / 1e6, p->available / 1e6);
+            (p->base_bytes + p->bytes) / 1e6, (p->base_bytes + p->available) / 1e6);
     fprintf(command->out, "  solver   %s\n", solver_name[p->solver]);
     fprintf(command->out,
             "  skipped  %.1f %% of %.4g point-element pairs: coplanar or facing away\n",

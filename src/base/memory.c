@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #define UNLIMITED 1e300
+#define THREAD_BYTES 1.5e8 /* malloc's arena of 64 MB, BLAS's buffer of 32 MB, stack and holes */
 
 /* The number after `key` in a /proc style file, or -1. */
 static double read_key(const char *path, const char *key) {
@@ -86,6 +87,14 @@ double rad_memory_available(void) {
   for (int i = 0; i < 3; i++)
     least = rest[i] < least ? rest[i] : least;
   return least;
+}
+
+double rad_memory_reserved(int n_thread) {
+  return resource_rest(RLIMIT_AS, 0) < UNLIMITED ? THREAD_BYTES * n_thread : 0;
+}
+
+double rad_memory_resident(void) {
+  return 1024 * fmax(read_key("/proc/self/status", "VmRSS:"), 0);
 }
 
 double rad_memory_peak(void) {

@@ -7,6 +7,13 @@
 /* Bytes this process may still take: the least of free RAM, ulimit -v/-d and the cgroup's rest. */
 double rad_memory_available(void);
 
+/* Bytes of address space that the C library and BLAS keep for threads at work, which count only
+ * where ulimit -v limits it; else 0. */
+double rad_memory_reserved(int n_thread);
+
+/* Resident size now [bytes]: the libraries, and what has been made so far. */
+double rad_memory_resident(void);
+
 /* Largest resident size so far [bytes]. */
 double rad_memory_peak(void);
 

@@ -8,13 +8,15 @@
 
 double rad_coarse_bytes(double n, int n_band) {
   double coarse = fmin(n, RAD_COARSE);
-  return 8 * coarse * coarse * (1 + n_band);
+  return 8 * coarse * coarse * n_band;
 }
 
-/* A_c = I - D_c C, factored. LAPACK runs on one thread here: more would change the bits. */
-static int set_factor(const struct rad_coarse *c, struct rad_coarse_factor *f) {
+/* A_c = I - D_c C, factored; the last one in place of C. LAPACK runs on one thread here: more would
+ * change the bits. */
+static int set_factor(const struct rad_coarse *c, int number) {
+  struct rad_coarse_factor *f = &c->factor[number];
   size_t n = (size_t)c->aggregates.n;
-  f->lu = rad_pages_alloc(sizeof(double) * n * n);
+  f->lu = number == c->n_factor - 1 ? c->k : rad_pages_alloc(sizeof(double) * n * n);
   f->pivot = rad_alloc(n, sizeof(int));
   if (!f->lu || !f->pivot)
     return 0;
@@ -43,9 +45,13 @@ static enum rad_code set_factors(struct rad_coarse *c, int n_system, const doubl
       c->factor[c->n_factor++].rho = rho[s];
   }
   int n = c->n_factor, failed = 0;
-#pragma omp parallel for schedule(dynamic) default(none) shared(c, n) reduction(| : failed)
-  for (int f = 0; f < n; f++)
-    failed |= !set_factor(c, &c->factor[f]);
+  for (int begin = 0, end; begin < n; begin = end) { /* all but the last, then the last */
+    end = begin < n - 1 ? n - 1 : n;
+#pragma omp parallel for schedule(dynamic) default(none) shared(c, begin, end) reduction(| : failed)
+    for (int f = begin; f < end; f++)
+      failed |= !set_factor(c, f);
+  }
+  c->k = NULL;
   double bytes = 8.0 * c->aggregates.n * c->aggregates.n;
   return failed ? rad_fail_memory(e, "the preconditioner", n * bytes) : RAD_OK;
 }

@@ -21,7 +21,7 @@ struct rad_coarse {
   const struct rad_tree *tree; /* borrowed from a hierarchical operator, or &own */
   struct rad_tree own;
   struct rad_aggregates aggregates;
-  double *k; /* owned [n_aggregate, n_aggregate] column-major: C */
+  double *k; /* owned [n_aggregate, n_aggregate] column-major: C, until it is factored */
   int n_factor;
   struct rad_coarse_factor *factor; /* owned */
 };
@@ -43,7 +43,7 @@ void rad_coarse_free(struct rad_coarse *c); /* safe twice */
 void rad_coarse_apply(const struct rad_coarse *c, const double *rho, const double *v, double *work,
                       double *z);
 
-/* Bytes of the coarse problem of a mesh. */
+/* Bytes of the coarse problem of a mesh, if it comes to that. */
 double rad_coarse_bytes(double n, int n_band);
 
 /* C of a dense and of a hierarchical operator; k is zeroed. */

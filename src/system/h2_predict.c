@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "system/h2.h"
+#include "system/interpolate.h"
 
 /* Ranks as measured (docs/performance.md): of clusters with far blocks, and how they fall from a
  * cluster to its children that have none. */
@@ -72,7 +73,12 @@ enum rad_code rad_h2_predict(const struct rad_mesh *mesh, double tolerance,
     plan->bytes = plan->near_entries * (double)rad_h2_near_size(tolerance) + 8 * (bases + far) +
                   lists + 4.0 * mesh->n_point +
                   (double)n * (double)(sizeof(struct rad_cluster) + 48);
-    plan->bytes_build = plan->bytes + 16 * bases + 100.0 * mesh->n_point;
+    struct rad_interpolation p;
+    rad_interpolation_init(&p, tolerance);
+    double change = 0; /* from polynomials to bases, while these are made */
+    for (size_t c = 0; c < 2 * n; c++)
+      change += 8.0 * p.n * rank[c];
+    plan->bytes_build = plan->bytes + 16 * bases + change + 100.0 * mesh->n_point;
   }
   free(has);
   free(rank);

@@ -121,8 +121,8 @@ class Case(unittest.TestCase):
     def files(self):
         return sorted(os.listdir(self.folder))
 
-    def call(self, *words, **more):
-        env = dict(os.environ, LC_ALL="C", OMP_NUM_THREADS="2")
+    def call(self, *words, threads=2, **more):
+        env = dict(os.environ, LC_ALL="C", OMP_NUM_THREADS=str(threads))
         return subprocess.run([PROGRAM, *words], cwd=self.folder, env=env, text=True,
                               stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                               timeout=self.seconds, **more)
@@ -449,6 +449,52 @@ class Memory(Case):
     def test_enough_memory(self):
         self.done("run", CORNER, "--set", "method.elements=1",
                   preexec_fn=limit_memory(1500 * 1000 * 1000))
+
+    def test_hierarchical_is_refused(self):
+        """Both forms are too large."""
+        text = self.refused(3, "run", CORNER, "--set", "method.elements=32", "--set",
+                            "method.quadrature_tolerance=1e-10", quiet=False,
+                            preexec_fn=limit_memory(900 * 1000 * 1000))
+        self.assertRegex(text, r"needs \S+ GB of memory for 73728 unknowns.* \S+ GB are available")
+        self.assertEqual(self.files(), [])
+
+    def test_a_limit_makes_it_hierarchical(self):
+        """8 x 4608^2 bytes do not fit, the compressed form does; without a limit it is dense."""
+        words = (CORNER, "--set", "method.elements=8", "--set",
+                 "method.quadrature_tolerance=1e-8")
+        limit, left = 1000 * 1000 * 1000, 155 * 1000 * 1000  # less than the dense form takes
+        free = self.done("check", *words, threads=1, preexec_fn=limit_memory(limit)).stdout
+        self.assertIn(", dense;", free)
+        available = 1e6 * float(re.search(r"of (\S+) MB available", free).group(1))
+        tight = limit_memory(int(limit - available + left))
+        held = self.done("run", *words, threads=1, preexec_fn=tight).stdout
+        self.assertIn("matrix   hierarchical", held)
+        self.assertEqual(self.files(), ["cube_corner.vtkhdf"])
+
+    def predicted(self, *words):
+        text = self.done("check", *words).stdout
+        return float(re.search(r"holds (\S+) MB", text).group(1))
+
+    def test_prediction(self):
+        """Peak memory within a factor of 1.5 of what check says."""
+        factor = 1.5
+        decks = (("method.elements=1",),
+                 ("method.elements=4", "method.solver=lu"),
+                 ("method.elements=4", "method.matrix=hierarchical"),
+                 ("method.elements=8", "method.solver=gmres"),
+                 ("method.elements=8", "method.matrix=hierarchical",
+                  "method.quadrature_tolerance=5e-5"),
+                 ("method.mesh=graded", "method.elements=1", "method.degree=7"),
+                 ("method.mesh=uniform", "method.elements=12", "method.degree=0"))
+        for sets in decks:
+            words = [CORNER] + [w for one in sets for w in ("--set", one)]
+            predicted = self.predicted(*words)
+            self.done("run", *words, "-o", "m.h5", "--set", "method.solver_tolerance=1e-9")
+            p = subprocess.run(["h5dump", "-a", "/polyrad/diagnostics/peak_memory_bytes",
+                                self.path("m.h5")], stdout=subprocess.PIPE, text=True)
+            took = float(re.search(r"\(0\): (\S+)", p.stdout).group(1)) / 1e6
+            self.assertTrue(took / factor < predicted < took * factor,
+                            "%s: predicted %g MB, took %g MB" % (sets, predicted, took))
 
 
 class Repeat(Case):
