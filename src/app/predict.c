@@ -8,7 +8,7 @@
 #include "base/clock.h"
 #include "base/memory.h"
 
-enum { SAMPLE_POINTS = 32, SAMPLE_BLOCKS = 6, SAMPLE_LU = 800, SAMPLE_RUNS = 2 };
+enum { SAMPLE_POINTS = 32, SAMPLE_BLOCKS = 60, SAMPLE_LU = 1200, SAMPLE_RUNS = 2 };
 
 /* Seconds that one thread needs for a pair of a point and an element, between triangles i and j. */
 static double sample_block(struct rad_case *c, int i, int j, struct rad_scratch *scratch,
@@ -71,31 +71,82 @@ static double predict_lu(int n) {
   return seconds;
 }
 
-enum rad_code rad_case_predict(struct rad_case *c, struct rad_error *e) {
-  enum rad_code code = rad_rules_build(c->mesh, c->deck.method.quadrature_tolerance, &c->rules, e);
+/* Bytes a second that all threads read together. */
+static double sample_reading(void) {
+  enum { N = 6 << 20 };
+  double *x = rad_pages_alloc(N * sizeof *x), sum = 0, best = INFINITY;
+  for (int run = 0; x && run < 3; run++) { /* the first one makes the pages */
+    double start = rad_seconds();
+#pragma omp parallel for simd schedule(static) default(none) shared(x, run) reduction(+ : sum)
+    for (int i = 0; i < N; i++)
+      sum += run ? x[i] : (x[i] = 1);
+    best = run ? fmin(best, rad_seconds() - start) : best;
+  }
+  rad_pages_free(x, N * sizeof *x);
+  return x && sum > 0 ? N * sizeof(double) / best : 1e10;
+}
+
+/* Steps of GMRES: each multiplies the residual by a third of what a bounce does, or so (measured);
+ * a bounce by rho at most. Narrow scenes near rho = 1 take more, with the coarse problem some
+ * hundred. */
+static double predict_steps(const struct rad_case *c) {
+  double rho = 0;
+  for (int i = 0; i < c->scene.n_triangle * c->scene.n_band; i++)
+    rho = fmax(rho, c->scene.rho[i]);
+  return fmin(4 + 0.3 * log(c->deck.method.solver_tolerance) / log(fmin(fmax(rho, 0.1), 0.9)), 60);
+}
+
+/* Everything after the matrix: products for kappa, u and w, and the residual; or LU. */
+static double predict_solve(const struct rad_case *c) {
+  const struct rad_plan *p = &c->plan;
+  double n = p->unknowns, nb = c->scene.n_band, reading = sample_reading();
+  double product = p->matrix_bytes / reading;
+  if (p->solver == RAD_SOLVER_LU)
+    return (predict_lu(c->mesh->n_point) + 10 * product) * nb;
+  if (p->solver == RAD_SOLVER_NEUMANN)
+    return (c->deck.method.bounces + 3) * product * nb;
+  double steps = predict_steps(c), vectors = 2 * nb * 8 * n * steps * steps * 2;
+  return (steps + 3) * product * (1 + 0.3 * (2 * nb - 1)) + vectors / reading;
+}
+
+/* The picture: four numbers in every cell and more at its corners, packed at about 70 MB a second.
+ */
+#define PACKING 7e7
+
+static double predict_output(const struct rad_case *c) {
+  double cells = (double)c->mesh->n_element * c->deck.output.sampling * c->deck.output.sampling;
+  return cells * (160 + 64.0 * c->scene.n_band) / PACKING;
+}
+
+/* The dense matrix, from pairs of points and elements. */
+static enum rad_code predict_dense(struct rad_case *c, double *seconds, struct rad_error *e) {
   struct rad_scratch scratch = {0};
-  if (!code)
-    code = rad_scratch_init(c->mesh, &scratch, e);
+  enum rad_code code = rad_scratch_init(c->mesh, &scratch, e);
   double *row = rad_alloc((size_t)c->mesh->n_point, SAMPLE_POINTS * sizeof(double));
-  const unsigned char *sees = c->visibility.sight;
   if (!code && !row)
     code = rad_fail_memory(e, "the prediction", 8.0 * SAMPLE_POINTS * c->mesh->n_point);
   if (!code) {
-    int threads =
-        omp_get_max_threads() < omp_get_num_procs() ? omp_get_max_threads() : omp_get_num_procs();
-    double pair = sample_pairs(c, sees, &scratch, row);
-    c->plan.skipped = (double)rad_pairs_skipped(c->mesh, NULL);
-    double n = c->plan.unknowns, pairs = c->plan.pairs - c->plan.skipped;
-    c->plan.seconds = pair * pairs / threads;
-    if (c->plan.matrix == RAD_MATRIX_HIERARCHICAL) /* near pairs, and what bases take (measured) */
-      c->plan.seconds =
-          (pair * c->plan.pairs * c->plan.near_entries / (n * n) + 5e-5 * n) / threads;
-    double products = c->plan.solver == RAD_SOLVER_NEUMANN ? c->deck.method.bounces : 40;
-    c->plan.seconds += c->plan.solver == RAD_SOLVER_LU
-                           ? predict_lu(c->mesh->n_point) * c->scene.n_band
-                           : products * c->plan.matrix_bytes / 1.5e10 * c->scene.n_band;
+    int most = omp_get_max_threads(),
+        threads = most < omp_get_num_procs() ? most : omp_get_num_procs();
+    *seconds = sample_pairs(c, c->visibility.sight, &scratch, row) *
+               (c->plan.pairs - c->plan.skipped) / threads;
   }
   rad_scratch_free(&scratch);
   free(row);
+  return code;
+}
+
+enum rad_code rad_case_predict(struct rad_case *c, struct rad_error *e) {
+  double start = rad_seconds(), matrix = 0;
+  enum rad_code code = rad_rules_build(c->mesh, c->deck.method.quadrature_tolerance, &c->rules, e);
+  double rules = rad_seconds() - start;
+  c->plan.skipped = (double)rad_pairs_skipped(c->mesh, NULL);
+  if (!code && c->plan.matrix == RAD_MATRIX_HIERARCHICAL)
+    code = rad_h2_sample(c->mesh, &c->rules, c->rules.tolerance, &matrix, e);
+  else if (!code)
+    code = predict_dense(c, &matrix, e);
+  if (!code)
+    c->plan.seconds =
+        c->seconds_scene + c->seconds_mesh + rules + matrix + predict_solve(c) + predict_output(c);
   return code;
 }

@@ -83,6 +83,10 @@ static inline size_t rad_h2_near_size(double tolerance) {
 enum rad_code rad_h2_predict(const struct rad_mesh *mesh, double tolerance,
                              struct rad_h2_plan *plan, struct rad_error *e);
 
+/* Predicted seconds of rad_h2_build: a dozen near targets and leaves are done and timed. */
+enum rad_code rad_h2_sample(const struct rad_mesh *mesh, const struct rad_rules *rules,
+                            double tolerance, double *seconds, struct rad_error *e);
+
 /**
  * @param[in]  tolerance  of the compression, relative to a row sum of 1
  * @param[out] h          to be freed with rad_h2_free, also after an error

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/clock.h"
 #include "base/memory.h"
 #include "base/scramble.h"
 #include "base/stop.h"
@@ -277,6 +278,24 @@ enum rad_code rad_basis_build(const struct rad_tree *tree, const struct rad_basi
   return rad_stop_asked() && memchr(basis->state, RAD_BASIS_MISSING, (size_t)n_triangle)
              ? rad_fail_stopped(e)
              : RAD_OK;
+}
+
+enum rad_code rad_basis_sample(const struct rad_tree *tree, const struct rad_basis_goal *goal,
+                               int leaf, double *seconds, struct rad_error *e) {
+  size_t most = 0;
+  struct rad_basis basis;
+  rad_tree_most(tree, &most);
+  struct work work = {tree, goal, &basis, (size_t)goal->interpolation->n, 0};
+  work.scratch = most * work.n;
+  enum rad_code code = rad_basis_begin(tree, &basis, e);
+  double start = rad_seconds();
+  if (!code)
+    shrink(&work, leaf, NULL);
+  *seconds = rad_seconds() - start;
+  if (!code && basis.failed)
+    code = rad_fail_memory(e, "the bases of the clusters", 0);
+  rad_basis_free(&basis);
+  return code;
 }
 
 void rad_basis_free(struct rad_basis *basis) {

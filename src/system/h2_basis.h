@@ -54,4 +54,8 @@ void rad_basis_free(struct rad_basis *basis); /* safe twice */
 /* Rows of a cluster's matrix, from the ranks of its children. */
 int rad_basis_rows(const struct rad_tree *tree, const int *rank, int cluster);
 
+/* Seconds that one thread needs for the basis of a leaf without what it inherits. */
+enum rad_code rad_basis_sample(const struct rad_tree *tree, const struct rad_basis_goal *goal,
+                               int leaf, double *seconds, struct rad_error *e);
+
 #endif

@@ -601,7 +601,7 @@ class Check(Case):
         self.assertRegex(text, r"matrix +169\.9 MB")  # 8 x 4608^2 bytes
         self.assertRegex(text, r"holds \S+ MB of \S+ MB available")
         self.assertRegex(text, r"skipped +33\.3 %")  # each face sees the two others
-        self.assertRegex(text, r"time +about \S+ s\n")
+        self.assertRegex(text, r"time +about \S+ s, and that of the error estimate\n")
         self.assertNotIn("radiosity", text)
         self.assertEqual(self.files(), [])
 
