@@ -1,4 +1,4 @@
-/* The coarse problem: means over aggregates, which carry what spreads slowly (theory 5.4). */
+/* The coarse problem: means over aggregates, which carry what spreads slowly (theory 5.7). */
 #ifndef RAD_SYSTEM_COARSE_H
 #define RAD_SYSTEM_COARSE_H
 

@@ -1,4 +1,4 @@
-/* Means of a hierarchical matrix over aggregates: C = R K P (theory 5.4). */
+/* Means of a hierarchical matrix over aggregates: C = R K P (theory 5.7). */
 #include <stdlib.h>
 #include <string.h>
 
