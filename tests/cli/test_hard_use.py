@@ -187,6 +187,59 @@ class CutShort(Case):
         self.done("info", "out.h5")
 
 
+class Checkpoints(Case):
+    """A run that takes about a second, stopped in between."""
+
+    words = ("run", test_cli.CORNER, "-o", "out.h5", "--quiet", "--threads", "1", "--set",
+             "method.elements=4", "--set", "method.quadrature_tolerance=1e-13", "--checkpoint", "c.ck",
+             "--restart", "c.ck")
+
+    def stop(self, seconds):
+        """Ask the run to stop; the process, which now writes its checkpoint."""
+        p = self.start(*self.words)
+        time.sleep(seconds)
+        p.send_signal(signal.SIGUSR1)
+        return p
+
+    def write_checkpoint(self):
+        for k in range(8):  # later on a machine where the program starts slowly, until it has begun
+            p = self.stop(0.1 * 2 ** k)
+            p.communicate(timeout=self.seconds)
+            if p.returncode == 85:
+                return
+        self.fail("the run could not be stopped on its way")
+
+    def test_cut_short(self):
+        self.write_checkpoint()
+        self.assertEqual(self.files(), ["c.ck"])
+        whole = self.read("c.ck")
+        for size in (0, 8, 511, 512, 5000, len(whole) // 2, len(whole) - 1):
+            self.write("c.ck", whole[:size])
+            text = self.refused(3, *self.words)
+            self.assertRegex(text, r"\Ac\.ck is (damaged: cut, or changed|not a polyrad checkpoint)")
+            self.assertEqual(self.files(), ["c.ck"])
+            self.assertEqual(self.read("c.ck"), whole[:size])
+        self.write("c.ck", whole)
+        self.done(*self.words)
+
+    def test_killed_while_it_is_written(self):
+        """What was there before is whole, and a run goes on from it."""
+        self.write_checkpoint()
+        before = self.read("c.ck")
+        for k in range(20 if FULL else 2):
+            p = self.stop(0.2)
+            temporary = "c.ck.%d.tmp" % p.pid
+            while p.poll() is None and not os.path.exists(self.path(temporary)):
+                time.sleep(0.0005)
+            p.kill()
+            p.communicate()
+            left = set(self.files()) - {"out.h5"}
+            self.assertLessEqual(left, {"c.ck", temporary})
+            if self.read("c.ck") == before and os.path.exists(self.path(temporary)):
+                os.remove(self.path(temporary))
+        self.done(*self.words)
+
+
 class ManyTriangles(Case):
     """Who sees whom would take 1e12 bytes: told as soon as the scene is read."""
 
