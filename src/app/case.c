@@ -9,13 +9,6 @@
 #include "base/memory.h"
 #include "system/coarse.h"
 
-/* Unknowns of a mesh by hand up to which its error is bounded: rows at 20 to 50 times as many
- * points.
- */
-enum { MOST_BOUNDED = 3000 };
-#define BOUND_BYTES 8e3 /* of each of them, while the error is bounded (measured) */
-#define WORK_BYTES 320  /* of each unknown: products and check of a hierarchical matrix */
-
 /* |inverse| over 1/(1 - kappa), kappa known at the collocation points only: stable methods stay
  * below 1.08 (docs/stability.md). */
 #define UNSTABLE 1.2
@@ -43,6 +36,9 @@ static enum rad_code refuse_fields(const struct rad_case *c, struct rad_error *e
                   c->deck.path);
 }
 
+/* Part of an asked accuracy that compression of a matrix made by hand may use up. */
+#define COMPRESSION_PART 0.02
+
 /* A deck that says nothing of the mesh leaves it to the tolerance; without one, 1e-3. */
 static void choose_mode(struct rad_case *c) {
   struct rad_deck_method *m = &c->deck.method;
@@ -51,6 +47,7 @@ static void choose_mode(struct rad_case *c) {
     if (c->scene.triangle[t].n_grading || c->scene.triangle[t].n_elements)
       c->is_adaptive = 0;
   c->tolerance = c->deck.tolerance > 0 ? c->deck.tolerance : 1e-3;
+  c->compression = fmax(m->quadrature_tolerance, COMPRESSION_PART * fmax(c->deck.tolerance, 0));
   int folded = m->mesh == RAD_MESH_UNIFORM && m->degree == 1;
   int suspect = m->nodes.kind != RAD_NODES_GAUSS; /* a number alone would be a trap */
   c->wants_bound = c->is_adaptive || ((c->deck.tolerance > 0 || suspect) &&
@@ -74,25 +71,18 @@ static void plan(struct rad_case *c) {
   double mesh = n * 20 + elements * (double)sizeof(struct rad_element);
   double picture = elements * ((s + 1.0) * (s + 1) * (24 + 40.0 * nb) + s * s * 64.0);
   p->unknowns = n;
-  p->solver = rad_solver_pick(c->deck.method.solver, n);
-  p->matrix_bytes = 8 * n * n;
-  p->matrix = RAD_MATRIX_DENSE;
+  p->system = rad_plan_dense(c->deck.method.solver, n, nb);
   p->rest_bytes = mesh + picture;
-  if (c->wants_bound && n <= MOST_BOUNDED)
-    p->rest_bytes += BOUND_BYTES * n * nb;
-  if (p->solver == RAD_SOLVER_GMRES && is_bright(&c->scene))
+  if (p->system.solver == RAD_SOLVER_GMRES && is_bright(&c->scene))
     p->rest_bytes += 0.5 * rad_coarse_bytes(n, nb);
   p->base_bytes = rad_memory_resident();
-  p->bytes = rad_solver_bytes(p->solver, n, nb) + p->rest_bytes;
+  p->bytes = p->system.bytes + p->rest_bytes;
   p->available = fmax(rad_memory_available() - rad_memory_reserved(omp_get_max_threads()), 0);
   p->pairs = n * elements;
 }
 
-/* True if the matrix may be hierarchical, which only the mesh can decide. */
 static int may_compress(const struct rad_case *c) {
-  return c->deck.method.matrix == RAD_MATRIX_HIERARCHICAL ||
-         (c->deck.method.matrix == RAD_MATRIX_AUTO && c->deck.method.solver != RAD_SOLVER_LU &&
-          c->plan.matrix_bytes > RAD_SMALL_MATRIX);
+  return rad_plan_may_compress(c->deck.method.matrix, c->deck.method.solver, c->plan.unknowns);
 }
 
 static enum rad_code refuse_too_large(const struct rad_case *c, struct rad_error *e) {
@@ -100,7 +90,7 @@ static enum rad_code refuse_too_large(const struct rad_case *c, struct rad_error
   if (p->bytes <= p->available)
     return RAD_OK;
   double gmres = rad_solver_bytes(RAD_SOLVER_GMRES, p->unknowns, c->scene.n_band);
-  const char *advice = p->solver == RAD_SOLVER_LU && gmres < p->available
+  const char *advice = p->system.solver == RAD_SOLVER_LU && gmres < p->available
                            ? "use method.solver: gmres, which needs half of it"
                            : "lower method.elements or method.degree, or use a larger machine";
   return rad_fail(e, RAD_ESYSTEM,
@@ -109,28 +99,20 @@ static enum rad_code refuse_too_large(const struct rad_case *c, struct rad_error
                   p->bytes / 1e9, p->unknowns, p->available / 1e9, advice);
 }
 
-/* Dense or hierarchical, once the mesh can tell what the latter takes. */
+/* Dense or hierarchical, once the mesh can tell what the latter takes; and the estimate, which
+ * comes when the matrix is there. */
 static enum rad_code choose_matrix(struct rad_case *c, struct rad_error *e) {
   struct rad_plan *p = &c->plan;
   const struct rad_deck_method *m = &c->deck.method;
-  struct rad_h2_plan h2;
-  if (!may_compress(c))
-    return RAD_OK;
-  enum rad_code code = rad_h2_predict(c->mesh, m->quadrature_tolerance, &h2, e);
-  if (code || rad_operator_pick(m->matrix, p->matrix_bytes, h2.bytes_build, p->available) ==
-                  RAD_MATRIX_DENSE)
-    return code ? code : refuse_too_large(c, e);
-  p->matrix = RAD_MATRIX_HIERARCHICAL;
-  p->solver = p->solver == RAD_SOLVER_LU ? RAD_SOLVER_GMRES : p->solver;
-  double vectors = rad_solver_bytes(p->solver, p->unknowns, c->scene.n_band) - p->matrix_bytes;
-  p->near_entries = h2.near_entries;
-  p->matrix_bytes = h2.bytes;
-  p->bytes = fmax(h2.bytes_build, h2.bytes + vectors) + WORK_BYTES * p->unknowns + p->rest_bytes;
-  return refuse_too_large(c, e);
+  enum rad_code code =
+      rad_plan_system(c->mesh, m->matrix, m->solver, c->compression, p->available, &p->system, e);
+  double estimate = c->wants_bound ? rad_indicate_bytes(c->mesh, m->quadrature_tolerance) : 0;
+  p->bytes = fmax(p->system.bytes, p->system.matrix_bytes + estimate) + p->rest_bytes;
+  return code ? code : refuse_too_large(c, e);
 }
 
 enum rad_code rad_case_keep_form(struct rad_case *c, enum rad_matrix form, struct rad_error *e) {
-  if (c->plan.matrix == form)
+  if (c->plan.system.matrix == form)
     return RAD_OK;
   c->deck.method.matrix = form;
   plan(c);
@@ -198,6 +180,7 @@ static void adopt(struct rad_case *c) {
   c->mesh = a->mesh;
   c->rules = a->rules;
   c->dense = a->dense;
+  c->h2 = a->h2;
   c->rho = a->rho;
   c->emission = a->emission;
   c->u = a->u;
@@ -209,6 +192,7 @@ static void adopt(struct rad_case *c) {
   a->mesh = NULL;
   a->rules = (struct rad_rules){0};
   a->dense = (struct rad_dense){0};
+  a->h2 = (struct rad_h2){0};
   a->rho = a->emission = a->u = a->h = NULL;
 }
 
@@ -217,6 +201,7 @@ static struct rad_goal goal_of(const struct rad_case *c) {
   return (struct rad_goal){
       .tolerance = c->tolerance,
       .solver = m->solver,
+      .matrix = m->matrix,
       .solver_tolerance = m->given & RAD_GIVEN_SOLVER_TOLERANCE ? m->solver_tolerance : 0,
       .quadrature_tolerance =
           m->given & RAD_GIVEN_QUADRATURE_TOLERANCE ? m->quadrature_tolerance : 0,
@@ -232,7 +217,7 @@ static enum rad_code estimate_by_hand(struct rad_case *c, struct rad_error *e) {
   c->adaptive = (struct rad_adaptive){.mesh = c->mesh,
                                       .rules = c->rules,
                                       .dense = c->dense,
-                                      .h2 = c->h2.mesh ? &c->h2 : NULL,
+                                      .h2 = c->h2,
                                       .rho = c->rho,
                                       .emission = c->emission,
                                       .u = c->u,
@@ -251,20 +236,21 @@ static enum rad_code solve_adaptive(struct rad_case *c, struct rad_error *e) {
   adopt(c);
   c->has_bound = !code;
   if (c->mesh) {
-    double n = c->mesh->n_point;
-    c->plan = (struct rad_plan){.unknowns = n,
-                                .matrix_bytes = 8 * n * n,
-                                .solver = c->report.solver,
-                                .matrix = RAD_MATRIX_DENSE};
+    c->plan.unknowns = c->mesh->n_point;
+    c->plan.system = rad_plan_dense(c->report.solver, c->plan.unknowns, c->scene.n_band);
+    if (c->h2.mesh) {
+      c->plan.system.matrix = RAD_MATRIX_HIERARCHICAL;
+      c->plan.system.matrix_bytes = c->h2.bytes;
+    }
   }
   return code;
 }
 
 /* The matrix that the plan chose. */
 static enum rad_code assemble(struct rad_case *c, struct rad_operator *k, struct rad_error *e) {
-  int is_dense = c->plan.matrix == RAD_MATRIX_DENSE;
+  int is_dense = c->plan.system.matrix == RAD_MATRIX_DENSE;
   enum rad_code code = is_dense ? rad_dense_begin(c->mesh, NULL, &c->dense, e)
-                                : rad_h2_begin(c->mesh, c->rules.tolerance, &c->h2, e);
+                                : rad_h2_begin(c->mesh, c->compression, &c->h2, e);
   if (!code && c->restart)
     code = rad_case_restore(c, e);
   if (is_dense) {
@@ -275,7 +261,7 @@ static enum rad_code assemble(struct rad_case *c, struct rad_operator *k, struct
     code = rad_h2_finish(&c->h2, &c->rules, e);
   if (!code)
     code = rad_h2_check(&c->h2, &c->rules, e);
-  c->plan.matrix_bytes = c->h2.bytes;
+  c->plan.system.matrix_bytes = c->h2.bytes;
   *k = rad_operator_h2(&c->h2);
   return code;
 }
@@ -299,8 +285,7 @@ enum rad_code rad_case_solve(struct rad_case *c, struct rad_error *e) {
   struct rad_solve_options o = {m->solver, m->solver_tolerance, m->bounces, c->rules.tolerance,
                                 &c->iterate};
   code = rad_solve(&k, &o, c->scene.n_band, c->rho, c->emission, c->u, c->h, &c->report, e);
-  int bounded = c->wants_bound && c->mesh->n_point <= MOST_BOUNDED;
-  return code || !bounded ? code : estimate_by_hand(c, e);
+  return code || !c->wants_bound ? code : estimate_by_hand(c, e);
 }
 
 void rad_case_warn(const struct rad_case *c, struct rad_notes *notes) {

@@ -9,17 +9,14 @@
 #include "visibility/visibility.h"
 
 struct rad_plan {
-  double bytes;        /* memory that the run takes at once, from here on */
-  double base_bytes;   /* held already: libraries, scene, visibility */
-  double matrix_bytes; /* of the matrix alone */
-  double rest_bytes;   /* of mesh and picture */
-  double near_entries; /* of a hierarchical matrix */
-  double available;    /* memory that there is */
-  double seconds;      /* predicted, whole run */
+  struct rad_system_plan system;
+  double bytes;      /* memory that the run takes at once, from here on */
+  double base_bytes; /* held already: libraries, scene, visibility */
+  double rest_bytes; /* of mesh and picture */
+  double available;  /* memory that there is */
+  double seconds;    /* predicted, whole run */
   double unknowns;
   double pairs, skipped; /* point-element pairs; those that see nothing of each other */
-  enum rad_solver solver;
-  enum rad_matrix matrix; /* dense or hierarchical */
 };
 
 struct rad_case {
@@ -43,6 +40,7 @@ struct rad_case {
   int wants_bound, has_bound;   /* the error is estimated and bounded, and u* is reported */
   double tolerance;             /* of max |u - u*| over max |u| */
   struct rad_adaptive adaptive; /* its layout, indicator and bound; the rest moves to this struct */
+  double compression;           /* tolerance of a hierarchical matrix made by hand */
   double memory_limit;          /* bytes for the matrix and what belongs to it; 0: what there is */
   double seconds_scene, seconds_mesh, seconds_assemble, seconds_estimate;
 };

@@ -152,14 +152,32 @@ static void move_inside(struct sites *sites, int64_t n) {
 /* An adaptive run reports u* = E + rho K u_h everywhere. */
 static enum rad_code use_iterated(const struct rad_case *c, struct rad_picture *p,
                                   struct sites *sites, struct rad_error *e) {
-  int nb = c->scene.n_band;
+  size_t n = (size_t)p->n_point, nb = (size_t)c->scene.n_band;
+  int *first = rad_alloc(2 * (size_t)c->mesh->n_element, sizeof(int)), at = 0;
+  int *count = first + c->mesh->n_element;
+  double *h = rad_alloc(n * nb, sizeof(double));
+  if (!first || !h) {
+    free(first);
+    free(h);
+    return rad_fail_memory(e, "the picture (output.sampling)", 8.0 * (double)(n * nb));
+  }
+  for (int i = 0; i < c->mesh->n_element; i++) {
+    int side = steps_of(c, i) + 1;
+    first[i] = at;
+    count[i] = side * side;
+    at += count[i];
+  }
   move_inside(sites, p->n_point);
-  struct rad_point_list list = {(int)p->n_point, sites->triangle, sites->base,
-                                (const double(*)[2])sites->mu};
-  enum rad_code code =
-      rad_irradiance_at(c->mesh, &c->rules, c->visibility.sight, &list, nb, c->u, p->irradiance, e);
+  struct rad_element_points points = {first, count, sites->base, (const double(*)[2])sites->mu};
+  struct rad_point_list list = {(int)p->n_point, sites->triangle, sites->base, points.mu};
+  enum rad_code code = rad_irradiance_on(c->mesh, &c->rules, &points, at, (int)nb, c->u, h, e);
+  for (size_t b = 0; b < nb && !code; b++)
+    for (size_t i = 0; i < n; i++)
+      p->irradiance[i * nb + b] = h[b * n + i];
   if (!code)
     rad_iterated(&c->scene, &list, p->irradiance, p->radiosity);
+  free(first);
+  free(h);
   return code;
 }
 

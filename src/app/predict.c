@@ -100,10 +100,10 @@ static double predict_steps(const struct rad_case *c) {
 static double predict_solve(const struct rad_case *c) {
   const struct rad_plan *p = &c->plan;
   double n = p->unknowns, nb = c->scene.n_band, reading = sample_reading();
-  double product = p->matrix_bytes / reading;
-  if (p->solver == RAD_SOLVER_LU)
+  double product = p->system.matrix_bytes / reading;
+  if (p->system.solver == RAD_SOLVER_LU)
     return (predict_lu(c->mesh->n_point) + 10 * product) * nb;
-  if (p->solver == RAD_SOLVER_NEUMANN)
+  if (p->system.solver == RAD_SOLVER_NEUMANN)
     return (c->deck.method.bounces + 3) * product * nb;
   double steps = predict_steps(c), vectors = 2 * nb * 8 * n * steps * steps * 2;
   return (steps + 3) * product * (1 + 0.3 * (2 * nb - 1)) + vectors / reading;
@@ -141,7 +141,7 @@ enum rad_code rad_case_predict(struct rad_case *c, struct rad_error *e) {
   enum rad_code code = rad_rules_build(c->mesh, c->deck.method.quadrature_tolerance, &c->rules, e);
   double rules = rad_seconds() - start;
   c->plan.skipped = (double)rad_pairs_skipped(c->mesh, NULL);
-  if (!code && c->plan.matrix == RAD_MATRIX_HIERARCHICAL)
+  if (!code && c->plan.system.matrix == RAD_MATRIX_HIERARCHICAL)
     code = rad_h2_sample(c->mesh, &c->rules, c->rules.tolerance, &matrix, e);
   else if (!code)
     code = predict_dense(c, &matrix, e);

@@ -153,11 +153,12 @@ static void set_diagnostics(const struct rad_case *c, struct rad_diagnostics *d)
                                 .error_bound = c->has_bound ? c->adaptive.bound * scale(c) : NAN,
                                 .error_bound_limit =
                                     c->has_bound ? c->adaptive.bound_limit * scale(c) : NAN,
+                                .compression_error = c->h2.error,
                                 .residual = c->report.residual,
                                 .iterations = c->report.iterations,
                                 .condition_estimate = c->report.condition_estimate,
                                 .converged = c->report.converged,
-                                .matrix_bytes = c->plan.matrix_bytes,
+                                .matrix_bytes = c->plan.system.matrix_bytes,
                                 .peak_memory_bytes = rad_memory_peak(),
                                 .kernel_values = counters(c)->kernel_values,
                                 .pairs_near = counters(c)->near,
@@ -187,7 +188,8 @@ enum rad_code rad_case_result(const struct rad_case *c, const char *command, str
   *r = (struct rad_result){.deck = &c->deck,
                            .scene = &c->scene,
                            .command = command,
-                           .matrix = c->plan.matrix == RAD_MATRIX_DENSE ? "dense" : "hierarchical",
+                           .matrix =
+                               c->plan.system.matrix == RAD_MATRIX_DENSE ? "dense" : "hierarchical",
                            .solver = solver_name(c->report.solver),
                            .threads = omp_get_max_threads(),
                            .edge_exponent = exponents(c->adaptive.layout.exponents.beta),

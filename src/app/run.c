@@ -161,16 +161,14 @@ static void print_solution(const struct rad_case *c, const struct rad_result *r,
         c->adaptive.bound <= c->tolerance ? "" : " (NOT THE TOLERANCE)", c->adaptive.bound_limit);
   else
     fprintf(out, "  error    not estimated%s\n",
-            c->deck.tolerance > 0
-                ? ": more than 3000 unknowns, a Neumann series, or a uniform mesh "
-                  "of degree 1"
-                : "; accuracy.tolerance gives a bound");
-  if (c->plan.matrix == RAD_MATRIX_HIERARCHICAL)
+            c->deck.tolerance > 0 ? ": a Neumann series, or a uniform mesh of degree 1"
+                                  : "; accuracy.tolerance gives a bound");
+  if (c->plan.system.matrix == RAD_MATRIX_HIERARCHICAL)
     fprintf(out, "  matrix   hierarchical, %.3g MB; compression %.1e of a row, estimated %.1e\n",
-            c->plan.matrix_bytes / 1e6, c->h2.tolerance, c->h2.error);
+            c->plan.system.matrix_bytes / 1e6, c->h2.tolerance, c->h2.error);
   else
     fprintf(out, "  matrix   dense, %.3g MB; %lld near and %lld far pairs, %lld skipped%s\n",
-            c->plan.matrix_bytes / 1e6, (long long)d->pairs_near, (long long)d->pairs_far,
+            c->plan.system.matrix_bytes / 1e6, (long long)d->pairs_near, (long long)d->pairs_far,
             (long long)d->pairs_skipped,
             c->is_adaptive && c->adaptive.levels > 1 ? "; the rest from the level before" : "");
   fprintf(out, "  solver   %s", solver_name[s->solver]);
@@ -355,9 +353,10 @@ enum rad_code rad_app_check(const struct rad_command *command, struct rad_error 
     const struct rad_plan *p = &c.plan;
     print_head(&c, command->out);
     fprintf(command->out, "  matrix   %.4g MB, %s; the run holds %.4g MB of %.4g MB available\n",
-            p->matrix_bytes / 1e6, p->matrix == RAD_MATRIX_DENSE ? "dense" : "hierarchical",
+            p->system.matrix_bytes / 1e6,
+            p->system.matrix == RAD_MATRIX_DENSE ? "dense" : "hierarchical",
             (p->base_bytes + p->bytes) / 1e6, (p->base_bytes + p->available) / 1e6);
-    fprintf(command->out, "  solver   %s\n", solver_name[p->solver]);
+    fprintf(command->out, "  solver   %s\n", solver_name[p->system.solver]);
     fprintf(command->out,
             "  skipped  %.1f %% of %.4g point-element pairs: coplanar or facing away\n",
             100 * p->skipped / p->pairs, p->pairs);

@@ -47,7 +47,7 @@ enum rad_code rad_study_take(const struct rad_case *c, enum rad_grid grid, doubl
   run->unknowns = c->mesh->n_point;
   run->elements = c->mesh->n_element;
   run->residual = c->report.residual;
-  run->matrix_bytes = c->plan.matrix_bytes;
+  run->matrix_bytes = c->plan.system.matrix_bytes;
   run->kappa = c->report.kappa;
   run->inverse_w = c->report.inverse_norm;
   if (c->is_adaptive)

@@ -31,6 +31,7 @@ enum { MAX_LEVEL = 40 };
 
 static void free_level(struct rad_adaptive *a) {
   rad_dense_free(&a->dense);
+  rad_h2_free(&a->h2);
   rad_rules_free(&a->rules);
   if (a->mesh)
     rad_mesh_free(a->mesh);
@@ -51,7 +52,11 @@ void rad_adaptive_free(struct rad_adaptive *a) {
   *a = (struct rad_adaptive){0};
 }
 
-/* rho and E at the collocation points. */
+struct rad_operator rad_adaptive_operator(const struct rad_adaptive *a) {
+  return a->h2.mesh ? rad_operator_h2(&a->h2) : rad_operator_dense(&a->dense);
+}
+
+/* rho and E at the collocation points; 0 on passive triangles, where u = E. */
 static enum rad_code set_data(const struct rad_scene *s, struct rad_adaptive *a,
                               struct rad_error *e) {
   const struct rad_mesh *m = a->mesh;
@@ -63,6 +68,11 @@ static enum rad_code set_data(const struct rad_scene *s, struct rad_adaptive *a,
   if (!a->rho || !a->emission || !a->u || !a->h)
     return rad_fail_memory(e, "the solution", 32.0 * (double)total);
   rad_mesh_data(a->mesh, a->rho, a->emission);
+  for (int t = 0; t < s->n_triangle; t++)
+    for (int i = a->mesh->point_first[t]; a->layout.passive[t] && i < a->mesh->point_first[t + 1];
+         i++)
+      for (size_t b = 0; b < (size_t)s->n_band; b++)
+        a->rho[b * n + (size_t)i] = 0;
   return RAD_OK;
 }
 
@@ -73,54 +83,91 @@ static double quadrature_tolerance(const struct rad_goal *g, double inverse_norm
              : fmin(fmax(0.5 * QUADRATURE_PART * g->tolerance / inverse_norm, 1e-13), 2e-5);
 }
 
-/* Mesh, matrix and solution of the present layout; blocks that did not change come from `before`.
- */
+static double matrix_bytes(const struct rad_adaptive *a) {
+  double n = a->mesh ? a->mesh->n_point : 0;
+  return a->h2.mesh ? a->h2.bytes : 8 * n * n;
+}
+
+/* The matrix of the present mesh; refused if it and the estimate do not fit beside `before`. */
+static enum rad_code plan_level(const struct rad_goal *g, const struct rad_adaptive *before,
+                                const struct rad_adaptive *a, struct rad_system_plan *plan,
+                                struct rad_error *e) {
+  double left = fmin(g->memory - matrix_bytes(before),
+                     rad_memory_available() - rad_memory_reserved(omp_get_max_threads()));
+  enum rad_code code = rad_plan_system(a->mesh, g->matrix, g->solver, a->quadrature, left, plan, e);
+  double need = plan->bytes + rad_indicate_bytes(a->mesh, a->quadrature) + 100.0 * a->mesh->n_point;
+  if (code || need <= left)
+    return code;
+  return rad_fail(e, RAD_ESYSTEM,
+                  "the %s mesh, with %.0f unknowns, needs %.3g GB of memory and %.3g GB may be "
+                  "used; allow more or give %s",
+                  before->mesh ? "next" : "coarsest", rad_layout_unknowns(&a->layout), need / 1e9,
+                  fmax(left, 0) / 1e9, before->mesh ? "a larger tolerance" : "fewer triangles");
+}
+
+/* Blocks of a dense matrix that did not change come from `before`. */
+static enum rad_code assemble(const struct rad_adaptive *before, const struct rad_system_plan *plan,
+                              struct rad_adaptive *a, struct rad_error *e) {
+  enum rad_code code;
+  if (plan->matrix == RAD_MATRIX_HIERARCHICAL) {
+    code = rad_h2_build(a->mesh, &a->rules, a->rules.tolerance, &a->h2, e);
+    return code ? code : rad_h2_check(&a->h2, &a->rules, e);
+  }
+  int *origin = rad_alloc((size_t)a->layout.n_leaf, sizeof(int));
+  if (!origin)
+    return rad_fail_memory(e, "the mesh", 4.0 * a->layout.n_leaf);
+  for (int i = 0; i < a->layout.n_leaf; i++)
+    origin[i] = a->layout.leaf[i].origin;
+  int same = before->dense.k && before->rules.tolerance == a->rules.tolerance;
+  struct rad_reuse reuse = {same ? &before->dense : NULL, origin, a->layout.passive};
+  code = rad_dense_assemble(a->mesh, &a->rules, &reuse, &a->dense, e);
+  free(origin);
+  return code;
+}
+
+/* Mesh, matrix and solution of the present layout. */
 static enum rad_code solve_level(const struct rad_scene *scene, const struct rad_goal *g,
                                  const struct rad_adaptive *before, struct rad_adaptive *a,
                                  struct rad_error *e) {
   double start = rad_seconds();
+  struct rad_system_plan plan;
   rad_progress_phase(scene->progress, "level %d, matrix", a->levels + 1);
-  int *origin = rad_alloc((size_t)a->layout.n_leaf, sizeof(int));
   a->mesh = rad_calloc(1, sizeof *a->mesh);
-  if (!origin || !a->mesh) {
-    free(origin);
+  if (!a->mesh)
     return rad_fail_memory(e, "the mesh", 0);
-  }
-  for (int i = 0; i < a->layout.n_leaf; i++)
-    origin[i] = a->layout.leaf[i].origin;
   enum rad_code code = rad_layout_mesh(&a->layout, a->mesh, e);
   if (!code)
-    code = rad_rules_build(a->mesh, a->quadrature, &a->rules, e);
-  int same = before->mesh && before->rules.tolerance == a->rules.tolerance;
-  struct rad_reuse reuse = {same ? &before->dense : NULL, origin, a->layout.passive};
+    code = plan_level(g, before, a, &plan, e);
   if (!code)
-    code = rad_dense_assemble(a->mesh, &a->rules, &reuse, &a->dense, e);
-  free(origin);
+    code = rad_rules_build(a->mesh, a->quadrature, &a->rules, e);
+  if (!code)
+    code = assemble(before, &plan, a, e);
   a->seconds_assemble += rad_seconds() - start;
   if (!code)
     code = set_data(scene, a, e);
+  if (code)
+    return code;
   struct rad_solve_options o = {
       .solver = g->solver, .tolerance = g->solver_tolerance, .quadrature = a->rules.tolerance};
   if (o.tolerance == 0)
     o.tolerance = fmax(SOLVER_PART * g->tolerance, 1e-14);
-  struct rad_operator k = rad_operator_dense(&a->dense);
+  struct rad_operator k = rad_adaptive_operator(a);
   rad_progress_phase(scene->progress, "level %d, solve", a->levels + 1);
-  return code ? code
-              : rad_solve(&k, &o, scene->n_band, a->rho, a->emission, a->u, a->h, &a->report, e);
+  return rad_solve(&k, &o, scene->n_band, a->rho, a->emission, a->u, a->h, &a->report, e);
 }
 
 static double safety_of(const struct rad_scene *s) {
   return s->visibility->n_partly > 0 ? SAFETY_SHADED : SAFETY;
 }
 
-/* |u - u*| <= (|rho K d| + |rho (K - K_h) u*| + residual) max w (theory 6.3). */
+/* Theory 6.4: quadrature of u*, interpolation in u*, and both of K d, each err by `quadrature`. */
 static void set_bound(struct rad_adaptive *a) {
   double least = INFINITY;
   for (int b = 0; b < a->layout.scene->n_band; b++)
     if (a->indicator.scale[b] > 0)
       least = fmin(least, a->indicator.scale[b]);
   double residual = isinf(least) ? 0 : a->report.residual / least;
-  double rest = 2 * a->quadrature + residual, norm = fmax(a->report.inverse_norm, 1);
+  double rest = 3 * a->quadrature + a->h2.error + residual, norm = fmax(a->report.inverse_norm, 1);
   double safety = safety_of(a->layout.scene);
   a->bound = (safety * a->indicator.worst + rest) * norm;
   a->bound_limit = (safety * a->indicator.limit + rest) * norm;
@@ -129,7 +176,7 @@ static void set_bound(struct rad_adaptive *a) {
 /* z = (I - rho K)^{-1} g with the largest |rho K d| of each element as g: pointwise bound. */
 static enum rad_code set_element_bound(struct rad_adaptive *a, struct rad_error *e) {
   size_t n = (size_t)a->mesh->n_point;
-  struct rad_operator k = a->h2 ? rad_operator_h2(a->h2) : rad_operator_dense(&a->dense);
+  struct rad_operator k = rad_adaptive_operator(a);
   double *right = rad_alloc(n, sizeof(double)), *z = rad_alloc(n, sizeof(double));
   a->element_bound = rad_calloc((size_t)a->mesh->n_element, sizeof(double));
   enum rad_code code = RAD_OK;
@@ -140,7 +187,7 @@ static enum rad_code set_element_bound(struct rad_adaptive *a, struct rad_error 
       const struct rad_element *el = &a->mesh->element[i];
       for (int f = 0; f < el->n_function; f++)
         right[el->first + f] =
-            safety_of(a->layout.scene) * a->indicator.local[i] + 2 * a->quadrature;
+            safety_of(a->layout.scene) * a->indicator.local[i] + 3 * a->quadrature + a->h2.error;
     }
     struct rad_linear system = {
         .rho = a->rho + (size_t)b * n, .emission = right, .u = z, .tolerance = 1e-6};
@@ -195,27 +242,6 @@ static enum rad_code refine(const struct rad_goal *g, struct rad_adaptive *a, st
   return code;
 }
 
-/* What the C library keeps for each thread [bytes]. */
-#define THREAD_BYTES 9e7
-
-/* Bytes that the level to come adds while the present one still lends its blocks: matrix and
- * vectors, rows at points, fine values and checks. */
-static double bytes(const struct rad_goal *g, const struct rad_layout *l) {
-  double n = rad_layout_unknowns(l);
-  return rad_solver_bytes(rad_solver_pick(g->solver, n), n, l->scene->n_band) + 500 * n;
-}
-
-static enum rad_code refuse_too_large(const struct rad_goal *g, const struct rad_layout *l,
-                                      struct rad_error *e) {
-  double need = bytes(g, l);
-  if (need <= g->memory)
-    return RAD_OK;
-  return rad_fail(e, RAD_ESYSTEM,
-                  "the coarsest mesh, with %.0f unknowns, needs %.3g GB of memory and %.3g GB may "
-                  "be used; allow more or give fewer triangles",
-                  rad_layout_unknowns(l), need / 1e9, g->memory / 1e9);
-}
-
 /* With `whole`, at all check points even if the bound is far off. */
 static enum rad_code estimate(const struct rad_goal *g, int whole, struct rad_adaptive *a,
                               struct rad_error *e) {
@@ -237,6 +263,7 @@ static enum rad_code level(const struct rad_scene *scene, const struct rad_goal 
   struct rad_adaptive before = *a;
   a->mesh = NULL;
   a->dense = (struct rad_dense){0};
+  a->h2 = (struct rad_h2){0};
   a->rules = (struct rad_rules){0};
   a->indicator = (struct rad_indicator){0};
   a->rho = a->emission = a->u = a->h = NULL;
@@ -255,19 +282,24 @@ static enum rad_code level(const struct rad_scene *scene, const struct rad_goal 
   free_level(a);
   before.layout = a->layout;
   *a = before;
-  snprintf(a->reason, sizeof a->reason, "the next level failed: %.200s", e->text);
+  snprintf(a->reason, sizeof a->reason, "%.250s", e->text);
   return RAD_OK;
 }
 
 enum rad_code rad_adapt_estimate(const struct rad_scene *scene, const struct rad_goal *g,
                                  struct rad_adaptive *a, struct rad_error *e) {
   double start = rad_seconds();
+  struct rad_rules kept = a->rules; /* may be finer than the estimate needs */
   a->layout.scene = scene;
   a->levels = 1;
-  a->quadrature = a->rules.tolerance;
-  enum rad_code code = estimate(g, 1, a, e);
+  a->quadrature = fmax(kept.tolerance, quadrature_tolerance(g, fmax(a->report.inverse_norm, 2.5)));
+  enum rad_code code = rad_rules_build(a->mesh, a->quadrature, &a->rules, e);
+  if (!code)
+    code = estimate(g, 1, a, e);
   if (!code)
     code = set_element_bound(a, e);
+  rad_rules_free(&a->rules);
+  a->rules = kept;
   a->seconds_estimate = rad_seconds() - start;
   return code;
 }
@@ -280,8 +312,6 @@ enum rad_code rad_adapt(const struct rad_scene *scene, const struct rad_goal *g,
   rad_progress_phase(scene->progress, "exponents");
   enum rad_code code =
       rad_layout_begin(scene, scene->visibility->sight, g->tolerance, &a->layout, e);
-  if (!code)
-    code = refuse_too_large(g, &a->layout, e);
   while (!code) {
     began = rad_seconds();
     if ((code = level(scene, g, a, e)))
@@ -291,7 +321,6 @@ enum rad_code rad_adapt(const struct rad_scene *scene, const struct rad_goal *g,
     a->quadrature = fmin(a->quadrature, quadrature_tolerance(g, a->report.inverse_norm));
     stuck = a->bound < 0.7 * least ? 0 : stuck + 1;
     least = fmin(least, a->bound);
-    double n = a->mesh->n_point;
     if (stuck == 6 || a->levels == MAX_LEVEL) {
       snprintf(
           a->reason, sizeof a->reason,
@@ -300,15 +329,6 @@ enum rad_code rad_adapt(const struct rad_scene *scene, const struct rad_goal *g,
     }
     if ((code = refine(g, a, e)))
       break;
-    double need = bytes(g, &a->layout), held = 8 * n * n;
-    double free_now =
-        fmin(rad_memory_available() - omp_get_max_threads() * THREAD_BYTES, g->memory - held);
-    if (need > free_now) {
-      snprintf(a->reason, sizeof a->reason,
-               "the next level, with %.0f unknowns, needs %.3g GB more memory and %.3g GB are left",
-               rad_layout_unknowns(&a->layout), need / 1e9, fmax(free_now, 0) / 1e9);
-      break;
-    }
   }
   a->seconds_before = began - start;
   if (!code && a->bound > FAR_OFF * g->tolerance) /* the last look was not a whole one */

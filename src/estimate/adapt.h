@@ -4,11 +4,12 @@
 
 #include "estimate/indicator.h"
 #include "estimate/layout.h"
-#include "system/solve.h"
+#include "system/plan.h"
 
 struct rad_goal {
   double tolerance; /* of max |u - u*| over max |u| */
   enum rad_solver solver;
+  enum rad_matrix matrix;
   double solver_tolerance;     /* 0: from tolerance */
   double quadrature_tolerance; /* 0: from tolerance */
   double memory;               /* bytes that may be used */
@@ -17,17 +18,17 @@ struct rad_goal {
 /* The last level of an adaptive run. */
 struct rad_adaptive {
   struct rad_layout layout;
-  struct rad_mesh *mesh; /* owned; its address is kept by dense */
+  struct rad_mesh *mesh; /* owned; its address is kept by dense or h2 */
   struct rad_rules rules;
-  struct rad_dense dense;
-  const struct rad_h2 *h2;        /* borrowed: in place of dense, or NULL */
+  struct rad_dense dense; /* one of these two */
+  struct rad_h2 h2;
   double *rho, *emission, *u, *h; /* owned [n_band, n_point] */
   struct rad_solve_report report;
   struct rad_indicator indicator;
   double bound;          /* of max |u - u*| over max |u|, from 1e-7 of edges and vertices on */
   double bound_limit;    /* the same right up to edges and vertices */
   double *element_bound; /* owned [n_element] z of (6.2), largest of the element, over max |u| */
-  double quadrature;     /* tolerance of the matrix entries */
+  double quadrature;     /* tolerance of the matrix entries, and of compression */
   int levels;
   double seconds_before; /* spent on levels before the last */
   double seconds_assemble, seconds_estimate;
@@ -41,11 +42,14 @@ struct rad_adaptive {
 enum rad_code rad_adapt(const struct rad_scene *scene, const struct rad_goal *goal,
                         struct rad_adaptive *a, struct rad_error *e);
 /**
- * Indicator and bounds of a mesh made by hand and solved elsewhere: a->mesh, rules, dense, rho,
- * emission, u, h and report are given, the rest is zero.
+ * Indicator and bounds of a mesh made by hand and solved elsewhere: a->mesh, rules, dense or h2,
+ * rho, emission, u, h and report are given, the rest is zero.
  */
 enum rad_code rad_adapt_estimate(const struct rad_scene *scene, const struct rad_goal *goal,
                                  struct rad_adaptive *a, struct rad_error *e);
+
+/* The matrix of the last level. */
+struct rad_operator rad_adaptive_operator(const struct rad_adaptive *a);
 
 void rad_adaptive_free(struct rad_adaptive *a); /* safe twice */
 

@@ -9,6 +9,7 @@
 #include "estimate/far_parts.h"
 
 enum { CHECK = 5, SIDE = CHECK + 1 }; /* check points per direction and element, odd; and a limit */
+_Static_assert(SIDE *SIDE == RAD_CHECKS, "points of an element");
 
 /* Position i of CHECK in [lo, hi] of a variable with exponent p: from 1e-7 of the very edge
  * inwards; i == CHECK is the limit at the edge. */
@@ -37,7 +38,7 @@ void rad_checks_free(struct rad_checks *c) {
 static void set_element(const struct rad_mesh *mesh, int i, int rest, struct rad_checks *c) {
   const struct rad_element *el = &mesh->element[i];
   const struct rad_patch *patch = &mesh->patch[el->patch];
-  for (int q = 0; q < SIDE * SIDE; q++) {
+  for (int q = 0; q < RAD_CHECKS; q++) {
     int a = q % SIDE, b = q / SIDE, limit = a == CHECK || b == CHECK;
     int later = (a < CHECK && a % 2) || (b < CHECK && b % 2);
     if ((a == CHECK && el->sigma[0] > 0) || (b == CHECK && el->tau[0] > 0) ||
@@ -56,7 +57,7 @@ static void set_element(const struct rad_mesh *mesh, int i, int rest, struct rad
 
 enum rad_code rad_checks_set(const struct rad_mesh *mesh, const double *weight, int rest,
                              struct rad_checks *c, struct rad_error *e) {
-  size_t n_element = (size_t)mesh->n_element, most = n_element * SIDE * SIDE;
+  size_t n_element = (size_t)mesh->n_element, most = n_element * RAD_CHECKS;
   size_t n_thread = (size_t)omp_get_max_threads();
   *c = (struct rad_checks){.n_band = mesh->scene->n_band,
                            .first = rad_alloc(n_element, sizeof(int)),

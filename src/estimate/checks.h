@@ -4,6 +4,8 @@
 
 #include "system/h2_once.h"
 
+enum { RAD_CHECKS = 36 }; /* most points of an element */
+
 /* Distance of the check points nearest to edges and vertices, as phi or r. */
 #define RAD_NEAREST 1e-7
 

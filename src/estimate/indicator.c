@@ -17,9 +17,6 @@
 /* Largest tolerance of K d. */
 #define COARSEST 1e-4
 
-/* Unknowns of a leaf. */
-enum { LEAF = 64 };
-
 /* Everything that the steps of one estimate share. */
 struct work {
   const unsigned char *passive; /* or NULL */
@@ -72,8 +69,6 @@ static void interpolate(const struct rad_mesh *mesh, const struct rad_element *e
 static enum rad_code integrate_star(struct work *w, const struct rad_rules *rules, const double *u,
                                     struct rad_error *e) {
   size_t n_element = (size_t)w->mesh->n_element;
-  const double *in[RAD_MAX_BAND];
-  double *out[RAD_MAX_BAND];
   int *first = rad_alloc(2 * n_element, sizeof(int)), *count = first + n_element;
   if (!first)
     return rad_fail_memory(e, "the error estimate", 8.0 * (double)n_element);
@@ -81,19 +76,10 @@ static enum rad_code integrate_star(struct work *w, const struct rad_rules *rule
     first[i] = w->fine.element[i].first;
     count[i] = passive(w, i) ? 0 : w->fine.element[i].n_function;
   }
-  for (size_t b = 0; b < (size_t)w->n_band; b++) {
-    in[b] = u + b * (size_t)w->mesh->n_point;
-    out[b] = w->star + b * (size_t)w->fine.n_point;
-  }
   struct rad_element_points points = {first, count, w->fine.point_base,
                                       (const double(*)[2])w->fine.point_mu};
-  struct rad_once once = {0};
-  enum rad_code code = rad_once_begin(w->mesh, rules, LEAF, rules->tolerance, &once, e);
-  if (!code)
-    code = rad_once_gather(&once, w->n_band, in, e);
-  if (!code)
-    code = rad_once_at(&once, &points, w->n_band, out, NULL, NULL, e);
-  rad_once_free(&once);
+  enum rad_code code =
+      rad_irradiance_on(w->mesh, rules, &points, w->fine.n_point, w->n_band, u, w->star, e);
   free(first);
   return code;
 }
@@ -112,8 +98,6 @@ static enum rad_code set_star(struct work *w, const struct rad_rules *rules, con
     for (int p = fine->point_first[t]; p < fine->point_first[t + 1]; p++)
       for (size_t b = 0; b < nb; b++) {
         double *star = &w->star[b * n + (size_t)p];
-        if (!isfinite(*star))
-          return rad_fail_integral(s, t, e);
         *star = rad_emission(s, t, (int)b, fine->point_base[p], fine->point_mu[p]) +
                 s->rho[(size_t)t * nb + b] * *star;
         w->x->scale[b] = fmax(w->x->scale[b], fabs(*star));
@@ -252,7 +236,7 @@ static enum rad_code begin_checks(struct work *w, double tolerance, struct rad_e
   set_integrals(w);
   for (size_t b = 0; b < 2 * nb; b++)
     in[b] = w->d + b * (size_t)w->fine.n_point;
-  code = rad_once_begin(&w->fine, &w->rules, LEAF, loose, &w->once, e);
+  code = rad_once_begin(&w->fine, &w->rules, RAD_ONCE_LEAF, loose, &w->once, e);
   return code ? code : rad_once_gather(&w->once, 2 * w->n_band, in, e);
 }
 
@@ -362,6 +346,20 @@ static enum rad_code finer_mesh(struct work *w, struct rad_error *e) {
     }
   }
   return code ? code : rad_mesh_finish(&w->fine, e);
+}
+
+double rad_indicate_bytes(const struct rad_mesh *mesh, double tolerance) {
+  struct rad_interpolation star, d;
+  double fine = 0, nb = mesh->scene->n_band, elements = mesh->n_element;
+  int more = mesh->scene->visibility->n_partly > 0 ? RAD_MORE_SHADED : RAD_MORE;
+  for (int i = 0; i < mesh->n_element; i++)
+    fine += (mesh->element[i].k_phi + more) * (double)(mesh->element[i].k_r + more);
+  rad_interpolation_init(&star, tolerance);
+  rad_interpolation_init(&d, fmax(tolerance, COARSEST));
+  double vectors = fine * (24 * nb + 20), checks = elements * RAD_CHECKS * (32 * nb + 30);
+  double clusters =
+      2 * fmin(elements, 2 * fine / RAD_ONCE_LEAF); /* leaves are at least half full */
+  return vectors + checks + clusters * 16 * nb * fmax(star.n, 2 * d.n);
 }
 
 static void free_work(struct work *w) {

@@ -129,6 +129,30 @@ enum rad_code rad_irradiance_at(const struct rad_mesh *mesh, const struct rad_ru
   return code;
 }
 
+enum rad_code rad_irradiance_on(const struct rad_mesh *mesh, const struct rad_rules *rules,
+                                const struct rad_element_points *points, int n, int n_band,
+                                const double *u, double *h, struct rad_error *e) {
+  const double *in[RAD_MAX_BAND];
+  double *out[RAD_MAX_BAND];
+  struct rad_once once = {0};
+  for (int b = 0; b < n_band; b++) {
+    in[b] = u + (size_t)b * (size_t)mesh->n_point;
+    out[b] = h + (size_t)b * (size_t)n;
+  }
+  enum rad_code code = rad_once_begin(mesh, rules, RAD_ONCE_LEAF, rules->tolerance, &once, e);
+  if (!code)
+    code = rad_once_gather(&once, n_band, in, e);
+  if (!code)
+    code = rad_once_at(&once, points, n_band, out, NULL, NULL, e);
+  for (int i = 0; i < mesh->n_element && !code; i++)
+    for (int p = points->first[i]; p < points->first[i] + points->count[i] && !code; p++)
+      for (int b = 0; b < n_band && !code; b++)
+        if (!isfinite(out[b][p]))
+          code = rad_fail_integral(mesh->scene, rad_element_triangle(mesh, i), e);
+  rad_once_free(&once);
+  return code;
+}
+
 enum rad_code rad_fail_integral(const struct rad_scene *s, int triangle, struct rad_error *e) {
   return rad_fail(e, RAD_ENUMERIC,
                   "an integral for a point of triangle %d (%s) is not finite: an error of polyrad; "

@@ -85,6 +85,7 @@ static void say_diagnostics(FILE *out, hid_t root) {
   say_number(out, at, "residual", "residual", "W/m2");
   say_number(out, at, "error indicator", "error_indicator", "W/m2");
   say_number(out, at, "error bound", "error_bound", "W/m2");
+  say_number(out, at, "compression error", "compression_error", "");
   say_number(out, at, "condition estimate", "condition_estimate", "");
   say_number(out, at, "matrix", "matrix_bytes", "bytes");
   say_number(out, at, "peak memory", "peak_memory_bytes", "bytes");

@@ -327,6 +327,7 @@ static void set_reals(struct rad_hdf *h, hid_t group, const struct rad_diagnosti
       {"error_indicator", d->error_indicator},
       {"error_bound", d->error_bound},
       {"error_bound_limit", d->error_bound_limit},
+      {"compression_error", d->compression_error},
       {"residual", d->residual},
       {"condition_estimate", d->condition_estimate},
       {"matrix_bytes", d->matrix_bytes},

@@ -29,6 +29,7 @@ struct rad_diagnostics {
   double kappa;           /* max over collocation points of rho * K1 */
   double error_indicator; /* max |u* - u_h| at check points [W/m2]; NAN when not computed */
   double error_bound; /* bound of max |u - u*| from 1e-7 of edges on [W/m2]; NAN: not computed */
+  double compression_error;  /* of a row's sum in a hierarchical matrix, estimate; 0: dense */
   double error_bound_limit;  /* the same right up to edges and vertices [W/m2] */
   double residual;           /* max norm of E - u + K u at the collocation points [W/m2] */
   int iterations;            /* of the solver; 0 for LU */

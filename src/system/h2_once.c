@@ -357,8 +357,13 @@ static int leaf_values(const struct product *p, int c) {
 
 static int go_down(const struct product *p) {
   const struct rad_tree *tree = &p->o->tree;
-  int failed = 0;
-#pragma omp parallel default(none) shared(p, tree) reduction(| : failed)
+  struct rad_progress *progress = p->o->mesh->scene->progress;
+  int failed = 0, n_root = p->o->mesh->scene->n_triangle;
+  int64_t all = 0;
+  for (int t = 0; t < n_root; t++)
+    all += p->o->n_target[t];
+  rad_progress_begin(progress, "points", all);
+#pragma omp parallel default(none) shared(p, tree, progress) reduction(| : failed)
   {
     double *work = p->down[omp_get_thread_num()].work;
 #pragma omp for schedule(dynamic)
@@ -372,8 +377,10 @@ static int go_down(const struct product *p) {
           from_parent(p, c, work);
 #pragma omp for schedule(dynamic)
     for (int c = 0; c < tree->n_cluster; c++)
-      if (p->o->n_target[c] > 0 && tree->cluster[c].child < 0)
+      if (p->o->n_target[c] > 0 && tree->cluster[c].child < 0) {
         failed |= !leaf_values(p, c);
+        rad_progress_add(progress, p->o->n_target[c]);
+      }
   }
   return !failed;
 }

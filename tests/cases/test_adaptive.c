@@ -34,8 +34,8 @@ static int star(const struct rad_scene *s, const struct rad_adaptive *a, double 
   }
   struct rad_point_list list = {n, triangle, base, (const double(*)[2])mu};
   struct rad_error e;
-  ck_assert_int_eq(rad_irradiance_at(a->mesh, &a->rules, a->dense.sees, &list, 1, a->u, u, &e),
-                   RAD_OK);
+  ck_assert_int_eq(
+      rad_irradiance_at(a->mesh, &a->rules, s->visibility->sight, &list, 1, a->u, u, &e), RAD_OK);
   for (int i = 0; i < n; i++)
     u[i] = rad_emission(s, triangle[i], 0, base[i], mu[i]) + s->rho[triangle[i]] * u[i];
   free(triangle);
@@ -45,12 +45,19 @@ static int star(const struct rad_scene *s, const struct rad_adaptive *a, double 
   return n;
 }
 
-static void adapt(const struct rad_scene *s, double tolerance, struct rad_adaptive *a) {
-  struct rad_goal goal = {.tolerance = tolerance, .memory = rad_memory_available()};
+static void adapt_with(const struct rad_scene *s, double tolerance, enum rad_matrix matrix,
+                       struct rad_adaptive *a) {
+  struct rad_goal goal = {
+      .tolerance = tolerance, .matrix = matrix, .memory = rad_memory_available()};
   struct rad_error e;
   enum rad_code code = rad_adapt(s, &goal, a, &e);
   ck_assert_msg(code == RAD_OK, "%s", e.text);
   ck_assert_msg(a->reason[0] == 0, "tolerance %g not reached: %s", tolerance, a->reason);
+  ck_assert_int_eq(a->h2.mesh != NULL, matrix == RAD_MATRIX_HIERARCHICAL);
+}
+
+static void adapt(const struct rad_scene *s, double tolerance, struct rad_adaptive *a) {
+  adapt_with(s, tolerance, RAD_MATRIX_AUTO, a);
 }
 
 static void hold(int scene, double reference, int n, const double *tolerance) {
@@ -126,7 +133,8 @@ START_TEST(vertex_limit) {
     mu[i][1] = r * sin(angle);
   }
   struct rad_point_list list = {9, triangle, base, (const double(*)[2])mu};
-  ck_assert_int_eq(rad_irradiance_at(a.mesh, &a.rules, a.dense.sees, &list, 1, a.u, h, &e), RAD_OK);
+  ck_assert_int_eq(rad_irradiance_at(a.mesh, &a.rules, c.visibility.sight, &list, 1, a.u, h, &e),
+                   RAD_OK);
   for (int i = 0; i < 9; i++)
     ck_assert_msg(fabs(1 + 0.5 * h[i] - 1.6) <= 2e-6 * 1.6, "ray %d: u = %.9f", i, 1 + 0.5 * h[i]);
   rad_adaptive_free(&a);
@@ -167,8 +175,8 @@ START_TEST(edge_limit) {
       int next_on_edge = tri->v[(base + 1) % 3][0] == 0 && tri->v[(base + 1) % 3][2] == 0;
       double mu[1][2] = {{next_on_edge ? t : 1e-18, next_on_edge ? 1e-18 : t}};
       struct rad_point_list list = {1, &low, &base, (const double(*)[2])mu};
-      ck_assert_int_eq(rad_irradiance_at(a.mesh, &a.rules, a.dense.sees, &list, 1, a.u, &h, &e),
-                       RAD_OK);
+      ck_assert_int_eq(
+          rad_irradiance_at(a.mesh, &a.rules, c.visibility.sight, &list, 1, a.u, &h, &e), RAD_OK);
       u[side][i] = rad_emission(&c.scene, low, 0, base, mu[0]) + 0.9 * h;
     }
   double slack = 2 * a.bound_limit * a.indicator.scale[0], half = 0.5 * (1 + cos(M_PI / 4));
@@ -199,8 +207,8 @@ static double *star_at_random(const struct rad_scene *s, const struct rad_adapti
   }
   struct rad_point_list list = {n, triangle, base, (const double(*)[2])mu};
   struct rad_error e;
-  ck_assert_int_eq(rad_irradiance_at(a->mesh, &a->rules, a->dense.sees, &list, 1, a->u, u, &e),
-                   RAD_OK);
+  ck_assert_int_eq(
+      rad_irradiance_at(a->mesh, &a->rules, s->visibility->sight, &list, 1, a->u, u, &e), RAD_OK);
   rad_iterated(s, &list, u, u);
   free(triangle);
   free(base);
@@ -236,6 +244,79 @@ START_TEST(shadows) {
     rad_adaptive_free(&a);
   }
   free(exact);
+  rad_case_free(&c);
+  free(d);
+}
+END_TEST
+
+/* The same goals with the hierarchical matrix. What compression does is in the bound. */
+START_TEST(hierarchical) {
+  static const struct {
+    int scene; /* -1: blocker */
+    double tolerance, reference;
+  } run[] = {{0, 1e-6, 1e-7}, {1, 1e-3, 2e-5}, {8, 1e-3, 2e-5}, {9, 1e-2, 1e-3}, {-1, 1e-4, 3e-6}};
+  enum { EACH = 200 };
+  struct deck_text *d = malloc(sizeof *d);
+  struct rad_case c;
+  struct rad_error e;
+  struct rad_adaptive a;
+  double most = 0, error = 0, tolerance = run[_i].tolerance;
+  if (run[_i].scene < 0)
+    blocker_scene(d);
+  else
+    adaptive_scene(run[_i].scene, d);
+  ck_assert_int_eq(deck_prepare(d, &c, &e), RAD_OK);
+  adapt(&c.scene, run[_i].reference, &a);
+  double *exact = star_at_random(&c.scene, &a, EACH);
+  rad_adaptive_free(&a);
+  adapt_with(&c.scene, tolerance, RAD_MATRIX_HIERARCHICAL, &a);
+  double *u = star_at_random(&c.scene, &a, EACH);
+  for (int i = 0; i < c.scene.n_triangle * EACH; i++) {
+    most = fmax(most, exact[i]);
+    error = fmax(error, fabs(u[i] - exact[i]));
+  }
+  if (getenv("POLYRAD_TEST_VERBOSE"))
+    printf("scene %d, hierarchical: %d unknowns, true error %.2e, bound %.2e, compression %.1e\n",
+           run[_i].scene, a.mesh->n_point, error / most, a.bound, a.h2.error);
+  ck_assert_msg(error <= tolerance * most && error <= (a.bound + run[_i].reference) * most,
+                "true error %g, bound %g", error / most, a.bound);
+  ck_assert(a.bound >= a.h2.error && a.h2.error <= 0.1 * tolerance);
+  free(u);
+  free(exact);
+  rad_adaptive_free(&a);
+  rad_case_free(&c);
+  free(d);
+}
+END_TEST
+
+/* A mesh by hand of any size has a bound, with what its compression does in it. */
+START_TEST(bound_by_hand) {
+  struct deck_text *d = malloc(sizeof *d);
+  struct rad_case c;
+  struct rad_error e;
+  struct rad_adaptive a;
+  double *exact, *u, error = 0, most = 0;
+  adaptive_scene(0, d);
+  deck_add(d,
+           "accuracy: {tolerance: 1e-2}\n"
+           "method: {mesh: paper, elements: 9, degree: 1, matrix: hierarchical}\n");
+  ck_assert_int_eq(deck_solve(d, &c, &e), RAD_OK);
+  ck_assert(c.has_bound && c.mesh->n_point > 5000 && c.h2.error > 0);
+  adapt(&c.scene, 1e-5, &a);
+  int n = star(&c.scene, &a, &exact);
+  struct rad_adaptive hand = {.mesh = c.mesh, .rules = c.rules, .u = c.u};
+  star(&c.scene, &hand, &u);
+  for (int i = 0; i < n; i++) {
+    most = fmax(most, exact[i]);
+    error = fmax(error, fabs(u[i] - exact[i]));
+  }
+  error /= most;
+  ck_assert_msg(error <= c.adaptive.bound + 1e-5 && c.adaptive.bound <= 30 * error,
+                "true error %g, bound %g", error, c.adaptive.bound);
+  ck_assert_double_ge(c.adaptive.bound, c.h2.error);
+  free(u);
+  free(exact);
+  rad_adaptive_free(&a);
   rad_case_free(&c);
   free(d);
 }
@@ -300,6 +381,11 @@ int main(void) {
   tcase_add_test(c, shadows);
   tcase_add_test(c, black_and_unlit_faces);
   tcase_add_test(c, unreachable);
+  suite_add_tcase(s, c);
+  c = tcase_create("hierarchical");
+  tcase_set_timeout(c, 1800);
+  tcase_add_loop_test(c, hierarchical, 0, 5);
+  tcase_add_test(c, bound_by_hand);
   suite_add_tcase(s, c);
   return run_suite(s);
 }

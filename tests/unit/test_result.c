@@ -107,7 +107,7 @@ START_TEST(test_diagnostics) {
       "converged",      "matrix_bytes",     "pairs_near",     "peak_memory_bytes",
       "kernel_values",  "pairs_far",        "pairs_skipped",  "seconds_scene",
       "seconds_mesh",   "seconds_assemble", "seconds_factor", "seconds_solve",
-      "seconds_output", "seconds_estimate", "seconds_total"};
+      "seconds_output", "seconds_estimate", "seconds_total",  "compression_error"};
   char path[128];
   struct fixture *f = make(1, 1);
   write_ok(in_folder("a.vtkhdf", path), f);
