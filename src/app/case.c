@@ -246,14 +246,21 @@ static enum rad_code solve_adaptive(struct rad_case *c, struct rad_error *e) {
   return code;
 }
 
-/* The matrix that the plan chose. */
+enum rad_code rad_case_begin_matrix(struct rad_case *c, struct rad_error *e) {
+  enum rad_code code = rad_rules_build(c->mesh, c->deck.method.quadrature_tolerance, &c->rules, e);
+  if (code)
+    return code;
+  return c->plan.system.matrix == RAD_MATRIX_DENSE
+             ? rad_dense_begin(c->mesh, NULL, &c->dense, e)
+             : rad_h2_begin(c->mesh, c->compression, &c->h2, e);
+}
+
+/* The matrix that the plan chose, from files as far as it is there. */
 static enum rad_code assemble(struct rad_case *c, struct rad_operator *k, struct rad_error *e) {
-  int is_dense = c->plan.system.matrix == RAD_MATRIX_DENSE;
-  enum rad_code code = is_dense ? rad_dense_begin(c->mesh, NULL, &c->dense, e)
-                                : rad_h2_begin(c->mesh, c->compression, &c->h2, e);
-  if (!code && c->restart)
+  enum rad_code code = rad_case_begin_matrix(c, e);
+  if (!code && (c->restart || c->n_part))
     code = rad_case_restore(c, e);
-  if (is_dense) {
+  if (c->plan.system.matrix == RAD_MATRIX_DENSE) {
     *k = rad_operator_dense(&c->dense);
     return code ? code : rad_dense_finish(&c->rules, NULL, &c->dense, e);
   }
@@ -274,8 +281,6 @@ enum rad_code rad_case_solve(struct rad_case *c, struct rad_error *e) {
   double start = rad_seconds();
   enum rad_code code = set_data(c, e);
   rad_progress_phase(c->scene.progress, "matrix");
-  if (!code)
-    code = rad_rules_build(c->mesh, m->quadrature_tolerance, &c->rules, e);
   if (!code)
     code = assemble(c, &k, e);
   if (code)

@@ -35,6 +35,8 @@ struct rad_case {
   double *u, *h;          /* owned [n_band, n_point] radiosity and irradiance [W/m2] */
   struct rad_solve_report report;
   const char *restart;          /* borrowed: a checkpoint to go on from, or NULL */
+  int n_part;                   /* the matrix is in that many files; 0: to be assembled */
+  const char *const *part;      /* borrowed [n_part] */
   struct rad_iterate iterate;   /* where the solver goes on, or would */
   int is_adaptive;              /* no mesh was asked for by hand: the tolerance decides */
   int wants_bound, has_bound;   /* the error is estimated and bounded, and u* is reported */
@@ -59,6 +61,9 @@ enum rad_code rad_case_solve(struct rad_case *c, struct rad_error *e);
 void rad_case_warn(const struct rad_case *c, struct rad_notes *notes);
 
 void rad_case_free(struct rad_case *c); /* safe twice */
+
+/* Part of rad_case_solve: rules, and the matrix with nothing of it done. */
+enum rad_code rad_case_begin_matrix(struct rad_case *c, struct rad_error *e);
 
 /* The matrix' form is this one, whatever memory there is. */
 enum rad_code rad_case_keep_form(struct rad_case *c, enum rad_matrix form, struct rad_error *e);

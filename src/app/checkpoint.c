@@ -8,6 +8,7 @@
 
 #include "base/stop.h"
 #include "output/checkpoint.h"
+#include "output/part_file.h"
 
 static struct rad_origin origin_of(const struct rad_case *c, const char *command, double started) {
   return (struct rad_origin){.deck = &c->deck,
@@ -40,8 +41,46 @@ enum rad_code rad_case_restart(struct rad_case *c, const char *path, struct rad_
   return code;
 }
 
+static struct rad_part_matrix matrix_of(struct rad_case *c) {
+  return (struct rad_part_matrix){c->dense.done ? &c->dense : NULL,
+                                  c->h2.near_done ? &c->h2 : NULL};
+}
+
+enum rad_code rad_case_join(struct rad_case *c, int n_file, const char *const *file,
+                            struct rad_error *e) {
+  const struct rad_origin origin = origin_of(c, NULL, 0);
+  enum rad_matrix form;
+  if (c->is_adaptive)
+    return rad_refuse_parts(c, e);
+  enum rad_code code = rad_parts_look(n_file, file, &origin, &form, e);
+  if (!code)
+    code = rad_case_keep_form(c, form, e);
+  c->n_part = n_file;
+  c->part = file;
+  return code;
+}
+
+enum rad_code rad_case_write_part(struct rad_case *c, struct rad_part_number part, const char *path,
+                                  const char *command, double started, struct rad_error *e) {
+  const struct rad_origin origin = origin_of(c, command, started);
+  enum rad_code code = rad_case_begin_matrix(c, e);
+  const struct rad_part_matrix m = matrix_of(c);
+  if (!code && m.dense) {
+    code = rad_part_mark_dense(m.dense, part, e);
+    if (!code)
+      code = rad_dense_finish(&c->rules, NULL, m.dense, e);
+  } else if (!code) {
+    rad_part_mark_h2(m.h2, part);
+    code = rad_h2_part(m.h2, &c->rules, e);
+  }
+  return code ? code : rad_part_write(path, &origin, part, &m, e);
+}
+
 enum rad_code rad_case_restore(struct rad_case *c, struct rad_error *e) {
   const struct rad_origin origin = origin_of(c, NULL, 0);
+  const struct rad_part_matrix m = matrix_of(c);
+  if (!c->restart)
+    return rad_parts_read(c->n_part, c->part, &origin, &m, e);
   const struct rad_checkpoint into = {c->dense.done ? &c->dense : NULL,
                                       c->h2.near_done ? &c->h2 : NULL, &c->iterate};
   return rad_checkpoint_read(c->restart, &origin, &into, e);

@@ -4,6 +4,7 @@
 
 #include "app/case.h"
 #include "app/command.h"
+#include "system/part.h"
 
 /* What a case holds after RAD_ESTOPPED, for a run that goes on from there. */
 enum rad_code rad_case_save(struct rad_case *c, const char *path, const char *command,
@@ -17,7 +18,24 @@ enum rad_code rad_case_save(struct rad_case *c, const char *path, const char *co
  */
 enum rad_code rad_case_restart(struct rad_case *c, const char *path, struct rad_error *e);
 
-/* Part of rad_case_solve: what c->restart has of the matrix, just begun, and of the iterate. */
+/**
+ * Take the matrix from parts that were assembled before: see that all are there, whole and of this
+ * deck. After rad_case_prepare and before rad_case_solve.
+ *
+ * @param[in] file  [n_file] kept by the case
+ */
+enum rad_code rad_case_join(struct rad_case *c, int n_file, const char *const *file,
+                            struct rad_error *e);
+
+/* The mesh of an adaptive run is not known before it is solved: RAD_EINPUT. */
+enum rad_code rad_refuse_parts(const struct rad_case *c, struct rad_error *e);
+
+/* Assemble one part of the matrix and write it; instead of rad_case_solve. */
+enum rad_code rad_case_write_part(struct rad_case *c, struct rad_part_number part, const char *path,
+                                  const char *command, double started, struct rad_error *e);
+
+/* Part of rad_case_solve: what c->restart has of the matrix, just begun, and of the iterate; or
+ * what c->part has of the matrix. */
 enum rad_code rad_case_restore(struct rad_case *c, struct rad_error *e);
 
 /* The checkpoint that a command goes on from, or NULL. One that is not there yet, but would be

@@ -20,6 +20,8 @@ struct rad_command {
   int collects;                  /* study --collect: the files are those of tasks */
   int task, n_task;              /* study --task I/N; 0: all runs in one */
   int lists;                     /* study --tasks: only name their files */
+  int part, n_part;              /* assemble --part I/N */
+  int joins;                     /* solve --parts: the files after the deck are parts */
   struct rad_study_task *within; /* run: the task of a study that it is, or NULL */
   const char *line;              /* the command as typed, for provenance */
   FILE *out, *log;               /* summary; messages */
@@ -27,6 +29,8 @@ struct rad_command {
 
 /* Each verb prints its summary to out, its warnings to log, and leaves its error in e. */
 enum rad_code rad_app_run(const struct rad_command *command, struct rad_error *e);
+enum rad_code rad_app_assemble(const struct rad_command *command, struct rad_error *e);
+enum rad_code rad_app_solve(const struct rad_command *command, struct rad_error *e);
 enum rad_code rad_app_check(const struct rad_command *command, struct rad_error *e);
 enum rad_code rad_app_study(const struct rad_command *command, struct rad_error *e);
 enum rad_code rad_app_info(const struct rad_command *command, struct rad_error *e);

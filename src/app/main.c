@@ -18,12 +18,17 @@ static const char usage[] =
     "  polyrad study DECK [-o FILE] [--set KEY=VALUE]... [--threads N] [--quiet]\n"
     "                     [--tasks | --task I/N]\n"
     "  polyrad study --collect FILE... [-o FILE] [--quiet]\n"
+    "  polyrad assemble DECK --part I/N [-o FILE] [--set KEY=VALUE]... [--threads N] [--quiet]\n"
+    "  polyrad solve DECK --parts FILE... [-o FILE] [--set KEY=VALUE]... [--threads N] [--quiet]\n"
+    "                     [--checkpoint FILE] [--restart FILE]\n"
     "  polyrad info FILE\n"
     "  polyrad --help | --version\n"
     "\n"
     "run    solve the deck, write FILE, print a summary\n"
     "check  read and validate; print sizes, predicted memory and time; solve nothing\n"
     "study  run a sweep, print its table with estimated orders (EOC), write it\n"
+    "assemble  write one part of the matrix, so that many machines share the work\n"
+    "solve  like run, with a matrix from the files of all parts\n"
     "info   say what a result file holds\n"
     "\n"
     "  -o FILE          where to write (default: output.file of the deck)\n"
@@ -33,6 +38,8 @@ static const char usage[] =
     "  --tasks          only name the result files of the study's runs, one a line\n"
     "  --task I/N       only the I-th of the study's N runs, into a result file of its own\n"
     "  --collect        the table from the result files of all tasks\n"
+    "  --part I/N       the I-th of N parts of the matrix\n"
+    "  --parts          the files that follow are all parts of the matrix\n"
     "  --checkpoint FILE  on SIGTERM or SIGUSR1 write what is done to FILE and exit with 85\n"
     "  --restart FILE     go on from such a FILE; that of --checkpoint need not exist yet\n"
     "\n"
@@ -48,10 +55,10 @@ struct verb {
   int writes; /* signals are to find no half-written file */
 };
 
-static const struct verb verbs[] = {{"run", rad_app_run, "DECK", 1},
-                                    {"check", rad_app_check, "DECK", 0},
-                                    {"study", rad_app_study, "DECK", 1},
-                                    {"info", rad_app_info, "FILE", 0}};
+static const struct verb verbs[] = {
+    {"run", rad_app_run, "DECK", 1},     {"check", rad_app_check, "DECK", 0},
+    {"study", rad_app_study, "DECK", 1}, {"assemble", rad_app_assemble, "DECK", 1},
+    {"solve", rad_app_solve, "DECK", 1}, {"info", rad_app_info, "FILE", 0}};
 
 /* The value of an option: the rest of the word after '=', or the next word. */
 static const char *value_of(int argc, char **argv, int *i, size_t name_length) {
@@ -76,25 +83,31 @@ static enum rad_code parse_threads(const char *text, int *threads, struct rad_er
 }
 
 /* I/N, as in --task 2/5. */
-static enum rad_code parse_task(const char *text, struct rad_command *c, struct rad_error *e) {
+static enum rad_code parse_share(const char *text, const char *option, int *i, int *n,
+                                 struct rad_error *e) {
   char rest;
-  if (!text || sscanf(text, "%d/%d%c", &c->task, &c->n_task, &rest) != 2 || c->task < 1 ||
-      c->task > c->n_task)
-    return rad_fail(e, RAD_EINPUT, "error: --task needs I/N, for example 2/5, got '%s'",
+  if (!text || sscanf(text, "%d/%d%c", i, n, &rest) != 2 || *i < 1 || *i > *n)
+    return rad_fail(e, RAD_EINPUT, "error: %s needs I/N, for example 2/5, got '%s'", option,
                     text ? text : "nothing");
   return RAD_OK;
 }
 
-/* Options that only polyrad study has; *known is 0 for others. */
-static enum rad_code parse_study_word(int argc, char **argv, int *i, struct rad_command *c,
-                                      int *known, struct rad_error *e) {
-  *known = !strcmp(c->verb, "study");
-  if (*known && !strcmp(argv[*i], "--tasks"))
+/* Options that only one verb has; *known is 0 for others. */
+static enum rad_code parse_own_word(int argc, char **argv, int *i, struct rad_command *c,
+                                    int *known, struct rad_error *e) {
+  const char *word = argv[*i];
+  int studies = !strcmp(c->verb, "study");
+  *known = 1;
+  if (studies && !strcmp(word, "--tasks"))
     c->lists = 1;
-  else if (*known && !strcmp(argv[*i], "--collect"))
+  else if (studies && !strcmp(word, "--collect"))
     c->collects = 1;
-  else if (*known && is_option(argv[*i], "--task"))
-    return parse_task(value_of(argc, argv, i, 6), c, e);
+  else if (studies && is_option(word, "--task"))
+    return parse_share(value_of(argc, argv, i, 6), "--task", &c->task, &c->n_task, e);
+  else if (!strcmp(c->verb, "assemble") && is_option(word, "--part"))
+    return parse_share(value_of(argc, argv, i, 6), "--part", &c->part, &c->n_part, e);
+  else if (!strcmp(c->verb, "solve") && !strcmp(word, "--parts") && c->n_file == 1)
+    c->joins = 1;
   else
     *known = 0;
   return RAD_OK;
@@ -113,7 +126,7 @@ static enum rad_code parse_word(int argc, char **argv, int *i, struct rad_comman
                                 struct rad_error *e) {
   const char *word = argv[*i];
   int known;
-  enum rad_code code = parse_study_word(argc, argv, i, c, &known, e);
+  enum rad_code code = parse_own_word(argc, argv, i, c, &known, e);
   if (known)
     return code;
   if (!strcmp(word, "--quiet")) {
@@ -164,20 +177,21 @@ static int print_version(void) {
   return RAD_OK;
 }
 
-/* Files that are named without an option: one, but any number of tasks to collect. */
+/* Files that are named without an option: one, but any number of tasks to collect, or parts. */
 static enum rad_code check_files(const struct verb *verb, struct rad_command *c,
                                  struct rad_error *e) {
   if (!c->n_file)
     return rad_fail(e, RAD_EINPUT, "error: polyrad %s needs a %s; polyrad --help shows how",
                     verb->name, c->collects ? "FILE after --collect" : verb->operand);
-  if (c->n_file > 1 && !c->collects)
+  if (c->n_file > 1 && !c->collects && !c->joins)
     return rad_fail(e, RAD_EINPUT, "error: one file at a time, but got '%s' and '%s'", c->file[0],
                     c->file[1]);
-  if ((c->checkpoint || c->restart) && strcmp(c->verb, "run") != 0 && !c->n_task)
-    return rad_fail(e, RAD_EINPUT, /* not heeded, it would be missed when it is too late */
-                    "error: --checkpoint and --restart are for polyrad run and study --task; "
-                    "polyrad %s has no checkpoints",
-                    c->verb);
+  if ((c->checkpoint || c->restart) && strcmp(c->verb, "run") != 0 && !c->joins && !c->n_task)
+    return rad_fail(
+        e, RAD_EINPUT, /* not heeded, it would be missed when it is too late */
+        "error: --checkpoint and --restart are for polyrad run, solve and study --task; "
+        "polyrad %s has no checkpoints",
+        c->verb);
   c->deck = c->file[0];
   return RAD_OK;
 }

@@ -303,6 +303,8 @@ enum rad_code rad_app_run(const struct rad_command *command, struct rad_error *e
     code = refuse_overwrite(&c, command, e);
   if (!code && restart)
     code = rad_case_restart(&c, restart, e);
+  else if (!code && command->joins)
+    code = rad_case_join(&c, command->n_file - 1, command->file + 1, e);
   if (!code) {
     if (!command->quiet)
       print_head(&c, command->out);

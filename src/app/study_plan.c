@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "base/text.h"
 
 enum { MAX_TEXT = 1024 };
 
@@ -49,15 +50,7 @@ void rad_study_plan_free(struct rad_study_plan *p) {
 }
 
 char *rad_study_file(const struct rad_study_plan *p, const char *tail, const char *ending) {
-  const char *file = p->deck.output.file, *slash = strrchr(file, '/');
-  const char *name = slash ? slash + 1 : file, *dot = strrchr(name, '.');
-  size_t n_stem = dot && dot > name ? (size_t)(dot - file) : strlen(file);
-  ending = ending ? ending : file + n_stem;
-  size_t size = n_stem + strlen(tail) + strlen(ending) + 1;
-  char *path = rad_alloc(size, 1);
-  if (path)
-    snprintf(path, size, "%.*s%s%s", (int)n_stem, file, tail, ending);
-  return path;
+  return rad_path_of(p->deck.output.file, tail, ending);
 }
 
 int rad_study_is_of_problem(const char *key) {

@@ -80,3 +80,15 @@ char *rad_join_lines(int n, const char *const *text) {
     end += sprintf(end, "%s%s", i ? "\n" : "", text[i]);
   return all;
 }
+
+char *rad_path_of(const char *file, const char *tail, const char *ending) {
+  const char *slash = strrchr(file, '/'), *name = slash ? slash + 1 : file;
+  const char *dot = strrchr(name, '.');
+  size_t n_stem = dot && dot > name ? (size_t)(dot - file) : strlen(file);
+  ending = ending ? ending : file + n_stem;
+  size_t size = n_stem + strlen(tail) + strlen(ending) + 1;
+  char *path = rad_alloc(size, 1);
+  if (path)
+    snprintf(path, size, "%.*s%s%s", (int)n_stem, file, tail, ending);
+  return path;
+}

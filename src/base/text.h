@@ -15,6 +15,10 @@ void rad_make_printable(char *text);
 /* Texts, one a line; owned, or NULL without memory. */
 char *rad_join_lines(int n, const char *const *text);
 
+/* The name of a file up to its last dot, then tail, then ending, or, if that is NULL, its own.
+ * Owned, or NULL without memory. */
+char *rad_path_of(const char *file, const char *tail, const char *ending);
+
 /**
  * Letters to insert, delete or replace to come from a to b; of each word the first 63 count.
  *

@@ -254,6 +254,29 @@ enum rad_code rad_dense_assemble(const struct rad_mesh *mesh, const struct rad_r
   return code ? code : rad_dense_finish(rules, reuse, dense, e);
 }
 
+int rad_dense_is_by_facets(const struct rad_dense *dense) {
+  return is_facets(dense->mesh, NULL);
+}
+
+enum rad_code rad_dense_set_done(struct rad_dense *dense, int first, int end, int outside,
+                                 struct rad_error *e) {
+  const struct rad_mesh *mesh = dense->mesh;
+  int by_facets = rad_dense_is_by_facets(dense);
+  struct task *task = rad_alloc(by_facets ? 0 : (size_t)dense->n_task, sizeof *task);
+  if (!task)
+    return rad_fail_memory(e, "the list of blocks", (double)dense->n_task * sizeof *task);
+  if (!by_facets)
+    list_tasks(dense, NULL, task);
+  for (int64_t i = 0; i < dense->n_task; i++) {
+    int column = by_facets ? (int)i * RAD_FACET_COLUMNS
+                           : mesh->element[mesh->element_first[task[i].patch]].first;
+    if ((column >= first && column < end) != outside)
+      dense->done[i] = 1;
+  }
+  free(task);
+  return RAD_OK;
+}
+
 void rad_dense_free(struct rad_dense *dense) {
   rad_pages_free(dense->k, (size_t)dense->n * (size_t)dense->n * sizeof(double));
   free(dense->done);

@@ -64,6 +64,14 @@ int64_t rad_pairs_skipped(const struct rad_mesh *mesh, const unsigned char *pass
 
 void rad_dense_free(struct rad_dense *dense); /* safe twice */
 
+/* done[] of the parts of the assembly whose columns are in first .. end - 1, or with `outside` of
+ * all others, becomes 1. */
+enum rad_code rad_dense_set_done(struct rad_dense *dense, int first, int end, int outside,
+                                 struct rad_error *e);
+
+/* True if the assembly of this mesh is by groups of columns of facets. */
+int rad_dense_is_by_facets(const struct rad_dense *dense);
+
 enum { RAD_MAX_PRODUCT = 8 };
 
 /**

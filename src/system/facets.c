@@ -13,7 +13,6 @@
 
 enum {
   TILE = 64,     /* targets that stay in the first cache while the columns of a task pass */
-  COLUMNS = 8,   /* of a task */
   COMPONENTS = 9 /* of a target: vertex, offset, normal */
 };
 _Static_assert(TILE % RAD_FACET_LANES == 0, "a tile is whole groups of lanes");
@@ -134,7 +133,7 @@ static void fill_seen(const struct facets *f, const struct rad_facet_source *sou
 /* Columns first..first+n, tile by tile. */
 static void fill_columns(const struct facets *f, int first, int n, struct rad_scratch *scratch) {
   int n_point = f->mesh->n_point;
-  struct rad_facet_source source[COLUMNS];
+  struct rad_facet_source source[RAD_FACET_COLUMNS];
   for (int c = 0; c < n; c++)
     rad_facet_source_set(&f->mesh->scene->triangle[first + c], &source[c]);
   for (int row = 0; row < n_point && !rad_stop_asked(); row += TILE)
@@ -150,7 +149,7 @@ static void fill_columns(const struct facets *f, int first, int n, struct rad_sc
 }
 
 int64_t rad_facets_tasks(const struct rad_mesh *mesh) {
-  return (mesh->n_point + COLUMNS - 1) / COLUMNS;
+  return (mesh->n_point + RAD_FACET_COLUMNS - 1) / RAD_FACET_COLUMNS;
 }
 
 enum rad_code rad_facets_assemble(const struct rad_mesh *mesh, const struct rad_rules *rules,
@@ -163,13 +162,13 @@ enum rad_code rad_facets_assemble(const struct rad_mesh *mesh, const struct rad_
   struct rad_progress *progress = mesh->scene->progress;
   rad_progress_begin(progress, "columns", n);
 #pragma omp parallel for schedule(dynamic) default(none) shared(f, n, scratch, done, progress)
-  for (int j = 0; j < n; j += COLUMNS) {
-    int width = n - j < COLUMNS ? n - j : COLUMNS;
+  for (int j = 0; j < n; j += RAD_FACET_COLUMNS) {
+    int width = n - j < RAD_FACET_COLUMNS ? n - j : RAD_FACET_COLUMNS;
     struct rad_scratch *own = &scratch[omp_get_thread_num()];
     const struct rad_counters before = own->counters;
-    if (rad_task_begin(done, (size_t)(j / COLUMNS))) {
+    if (rad_task_begin(done, (size_t)(j / RAD_FACET_COLUMNS))) {
       fill_columns(&f, j, width, own);
-      rad_task_end(done, (size_t)(j / COLUMNS), &before, own);
+      rad_task_end(done, (size_t)(j / RAD_FACET_COLUMNS), &before, own);
     }
     rad_progress_add(progress, width);
   }

@@ -4,6 +4,8 @@
 
 #include "integrate/element.h"
 
+enum { RAD_FACET_COLUMNS = 8 }; /* of a task */
+
 /* True if every triangle is one plain patch with one element of one constant function. */
 int rad_mesh_is_facets(const struct rad_mesh *mesh);
 

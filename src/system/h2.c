@@ -218,6 +218,13 @@ enum rad_code rad_h2_begin(const struct rad_mesh *mesh, double tolerance, struct
   return code;
 }
 
+enum rad_code rad_h2_part(struct rad_h2 *h, const struct rad_rules *rules, struct rad_error *e) {
+  struct rad_interpolation p;
+  rad_interpolation_init(&p, h->tolerance);
+  enum rad_code code = build_bases(h, &p, e);
+  return code ? code : rad_h2_near(h, rules, e);
+}
+
 enum rad_code rad_h2_finish(struct rad_h2 *h, const struct rad_rules *rules, struct rad_error *e) {
   struct rad_interpolation p;
   enum rad_code code = RAD_OK;

@@ -103,6 +103,11 @@ enum rad_code rad_h2_begin(const struct rad_mesh *mesh, double tolerance, struct
                            struct rad_error *e);
 enum rad_code rad_h2_finish(struct rad_h2 *h, const struct rad_rules *rules, struct rad_error *e);
 
+/* Of the second half, what can be shared out: the bases that are missing and are not elsewhere, and
+ * the near and sector blocks that are not done; no far blocks. RAD_ESTOPPED once
+ * rad_stop_asked(). */
+enum rad_code rad_h2_part(struct rad_h2 *h, const struct rad_rules *rules, struct rad_error *e);
+
 /* Memory for bases and far blocks, once row.rank and column.rank (owned [n_cluster]) are known. */
 enum rad_code rad_h2_far_begin(struct rad_h2 *h, struct rad_error *e);
 

@@ -110,6 +110,47 @@ class Signals(Case):
                 self.assertEqual(self.files(), ["deck.yml", "whole.h5"])
 
 
+class Parts(Case):
+    def same_as_one_run(self, name, n):
+        self.write("deck.yml", "scene:\n  triangles:\n" + DECKS[name])
+        self.done("run", "deck.yml", "-o", "whole.h5", "--quiet")
+        files = ["deck_part_%d_of_%d.h5" % (i, n) for i in range(1, n + 1)]
+        for i, file in enumerate(files):
+            text = self.done("assemble", "deck.yml", "--part", "%d/%d" % (i + 1, n)).stdout
+            self.assertIn("part %d of %d" % (i + 1, n), text)
+            self.assertIn("written " + file, text)
+        self.done("solve", "deck.yml", "--parts", *files, "-o", "joined.h5", "--quiet")
+        self.assertEqual(self.files(), ["deck.yml", *files, "joined.h5", "whole.h5"])
+        Signals.assert_same(self, "whole.h5", "joined.h5")
+        self.assertIn("polyrad part", self.done("info", files[0]).stdout)
+
+    def test_same_bits(self):
+        self.same_as_one_run("shadow", 4)
+
+    def test_same_bits_of_a_dense_matrix(self):
+        self.same_as_one_run("dense", 2)
+
+    def test_missing_part(self):
+        self.done("assemble", CORNER, *Restart.small, "--part", "1/2", "-o", "a.h5")
+        text = self.refused(2, "solve", CORNER, *Restart.small[:2], "--parts", "a.h5", quiet=False)
+        self.assertIn("part 2 of 2 is missing; polyrad assemble DECK --part 2/2 makes it", text)
+        text = self.refused(2, "solve", CORNER, "--set", "method.elements=2", "--parts", "a.h5")
+        self.assertIn("a.h5 was made with other --set options (method.elements=1)", text)
+        self.assertEqual(self.files(), ["a.h5"])
+
+    def test_adaptive(self):
+        self.write("deck.yml", "scene:\n  triangles:\n" + DECKS["adaptive"])
+        text = self.refused(2, "assemble", "deck.yml", "--part", "1/2")
+        self.assertIn("adaptive run cannot be assembled in parts", text)
+        self.assertIn("mesh by hand", text)
+
+    def test_usage(self):
+        self.assertIn("needs --part I/N", self.refused(2, "assemble", CORNER))
+        self.assertIn("got '3/2'", self.refused(2, "assemble", CORNER, "--part", "3/2"))
+        self.assertIn("needs the parts", self.refused(2, "solve", CORNER))
+        self.assertIn("needs the parts", self.refused(2, "solve", CORNER, "--parts"))
+
+
 class Restart(Case):
     small = ("--set", "method.elements=1", "--quiet")
 
