@@ -9,8 +9,8 @@
 #include "base/memory.h"
 #include "system/coarse.h"
 
-/* |inverse| over 1/(1 - kappa), kappa known at the collocation points only: stable methods stay
- * below 1.08 (docs/stability.md). */
+/* |inverse| over 1/(1 - kappa), kappa known at the collocation points only: with Gauss points it
+ * was never above 1.01 (docs/stability.md). */
 #define UNSTABLE 1.2
 
 static enum rad_code refuse_unavailable(const struct rad_case *c, struct rad_error *e) {

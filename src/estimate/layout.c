@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "base/vec.h"
 
 /* A graded leaf [0, b] is split at this part of b, a plain one in the middle. */
 #define SPLIT_GRADED 0.2
@@ -89,6 +90,47 @@ static enum rad_code add_plain(struct rad_layout *l, int t, int k, struct rad_er
   return add_leaf(l, (struct rad_leaf){p, {0, 1}, {0, 1}, k, k, -1}, e);
 }
 
+/* Beyond this ratio of two lengths of a sub-triangle one element would hide what happens within the
+ * shorter one from the samples of the estimate; its parts grow by GROWTH. */
+#define WIDE 8
+#define GROWTH 5
+enum { MOST_BREAKS = 60 };
+
+/* Borders of [0, 1] when all that happens within `near` of 0 is to be seen; returns the parts. */
+static int grow_parts(double near, double border[MOST_BREAKS + 2]) {
+  int n = 0;
+  border[0] = 0;
+  if (near * WIDE < 1)
+    for (double x = 2 * near; x * GROWTH < 2 && n < MOST_BREAKS; x *= GROWTH)
+      border[++n] = x;
+  border[++n] = 1;
+  return n;
+}
+
+/* The leaves of a sub-triangle: one, or in a needle several, from the short edge on. */
+static enum rad_code add_parts(struct rad_layout *l, int p, double short_edge,
+                               struct rad_error *e) {
+  const struct rad_patch *patch = &l->patch[p];
+  double phi[MOST_BREAKS + 2], r[MOST_BREAKS + 2], far[3];
+  for (int d = 0; d < 3; d++)
+    far[d] = patch->a[d] + patch->b[d];
+  int n_phi = grow_parts(2 * patch->a1 / rad_norm(patch->b), phi);
+  int n_r = grow_parts(short_edge / fmax(patch->a1, rad_norm(far)), r);
+  int k_phi = l->p_phi[p] > 1 ? 4 : 3, k_r = l->p_r[p] > 1 ? 4 : 3;
+  enum rad_code code = RAD_OK;
+  for (int j = 0; j < n_r; j++)
+    for (int i = 0; i < n_phi && !code; i++)
+      code = add_leaf(
+          l, (struct rad_leaf){p, {phi[i], phi[i + 1]}, {r[j], r[j + 1]}, k_phi, k_r, -1}, e);
+  return code;
+}
+
+static double edge_length(const struct rad_triangle *t, int edge) {
+  double f[3];
+  rad_sub(t->v[(edge + 1) % 3], t->v[edge], f);
+  return rad_norm(f);
+}
+
 /* Six sub-triangles with the gradings of their edges and vertices. */
 static enum rad_code add_six(struct rad_layout *l, int t, const struct rad_exponents *x,
                              double tolerance, struct rad_error *e) {
@@ -98,9 +140,9 @@ static enum rad_code add_six(struct rad_layout *l, int t, const struct rad_expon
     rad_patch_sub_triangle(l->scene, t, s, RAD_ANGLE_POLAR, &l->patch[p]);
     l->p_phi[p] = rad_layout_grading(x->beta[t][edge], tolerance);
     l->p_r[p] = rad_layout_grading(x->alpha[t][vertex], tolerance);
-    code = add_leaf(
-        l, (struct rad_leaf){p, {0, 1}, {0, 1}, l->p_phi[p] > 1 ? 4 : 3, l->p_r[p] > 1 ? 4 : 3, -1},
-        e);
+    double at_vertex = fmin(edge_length(&l->scene->triangle[t], vertex),
+                            edge_length(&l->scene->triangle[t], (vertex + 2) % 3));
+    code = add_parts(l, p, at_vertex, e);
   }
   return code;
 }

@@ -302,6 +302,18 @@ class Scenes(Tool):
         self.assertAlmostEqual(sums["ceiling"], 20 - 0.8 * 0.6, delta=1e-9)
         self.refused(2, "at least", "scene", "room", "--triangles", 5, "-o", "x.obj")
 
+    def test_scenes_of_the_stability_studies(self):
+        folder = ROOT / "inputs/studies/stability"
+        for angle in (1, 170):
+            self.scene("wedge", "--angle", angle)
+            self.assertEqual(self.out.read_text(), (folder / f"wedge_{angle}.obj").read_text())
+        self.scene("vertex", "--faces", 5)
+        self.assertEqual(self.out.read_text(), (folder / "vertex_5.obj").read_text())
+        self.scene("vertex", "--faces", 12, "--dent")
+        self.assertEqual(self.out.read_text(), (folder / "dent_12.obj").read_text())
+        self.refused(2, "--faces", "scene", "vertex", "--faces", 3, "--dent", "-o", "x.obj")
+        self.refused(2, "--angle", "scene", "wedge", "--angle", 0, "-o", "x.obj")
+
     def test_box(self):
         for inner in ((), ("--inner",)):
             self.scene("box", "--n", 3, *inner)

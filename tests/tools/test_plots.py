@@ -132,6 +132,35 @@ class Plots(unittest.TestCase):
         self.assertIn("mesh paper", words)
         self.assertIn("mesh uniform", words)
 
+    def test_columns_of_a_study(self):
+        path = self.folder / "columns.h5"
+        with h5py.File(path, "w") as file:
+            names = ["a.obj", "b.obj", "c.obj"] * 2
+            file["study/scene.mesh.file"] = np.array(names, h5py.string_dtype())
+            file["study/method.degree"] = np.array(["1"] * 3 + ["2"] * 3, h5py.string_dtype())
+            file["study/unknowns"] = [4.0, 5, 6, 7, 8, 9]
+            file["study/error"] = [0.1, 0.2, np.nan, 0.01, 0.02, 0.03]
+            file["study/inverse_norm"] = [3.0, 4, 5, 6, 7, 8]
+        words = self.words("study", path, "--x", "scene.mesh.file", "--y", "inverse_norm")
+        for word in ("degree 1", "degree 2", "norm of the inverse", "a", "c"):
+            self.assertIn(word, words)
+        two = self.words("study", path, "--x", "unknowns", "--y", "error", "--y", "inverse_norm")
+        self.assertIn("largest error", two)
+        self.refused(2, "no column 'nothing'", "study", path, "--y", "nothing")
+
+    def test_rules_of_quadrature(self):
+        path = self.folder / "rules.csv"
+        path.write_text(
+            "distance,rule,kernel_values,relative_error\n"
+            "0.1,Gauss,4,0.5\n0.1,Gauss,16,0.1\n1e-06,sinh,16,1e-3\n"
+        )
+        words = self.words("quadrature", path)
+        for word in ("distance 0.1", "Gauss", "sinh", "kernel values"):
+            self.assertIn(word, words)
+        path.write_text("a,b\n1,2\n")
+        self.refused(3, "is not a table", "quadrature", path)
+        self.refused(3, "cannot be read", "quadrature", self.folder / "nowhere.csv")
+
     def test_files_that_are_none(self):
         broken = self.folder / "broken.vtkhdf"
         broken.write_text("not HDF5")

@@ -4,6 +4,8 @@
   street   two rows of gabled houses under a lid, the sky [m]     inputs/street_canyon.obj
   room     a furnished room, closed, about N triangles [m]        inputs/room.obj
   box      a closed cube of 12 n^2 facets, or two, one in the other [m]
+  wedge    two triangles that share an edge, at an angle [m]      inputs/studies/stability/
+  vertex   n triangles around a vertex, a cone; with a dent [m]   inputs/studies/stability/
 
 Normals point into the air. All scenes conform: triangles share vertices and whole edges.
 Surfaces are the usemtl names. Exit codes: 0 done, 2 usage, 3 a file cannot be written.
@@ -11,12 +13,14 @@ Surfaces are the usemtl names. Exit codes: 0 done, 2 usage, 3 a file cannot be w
 
 import argparse
 import json
+import math
 from pathlib import Path
 
 from conform import conform
 from polygons import Scene, refine, write_obj
 from result import Problem, run
 
+OPTIONS = ("triangles", "n", "inner", "angle", "faces", "dent")
 TOLERANCE = 1e-9  # of the scene's size; coordinates are exact here
 
 
@@ -159,6 +163,30 @@ def box(options) -> Scene:
     return scene
 
 
+def wedge(options) -> Scene:
+    if not 0 < options.angle < 360:
+        raise Problem("--angle must lie between 0 and 360", 2)
+    a, scene = math.radians(options.angle), Scene()
+    scene.add("floor", [(0, 0, 0), (1, 0, 0), (0.5, 1, 0)])
+    scene.add("wall", [(1, 0, 0), (0, 0, 0), (0.5, math.cos(a), math.sin(a))])
+    return scene
+
+
+def vertex(options) -> Scene:
+    """Faces from the origin to a regular polygon at height 2; with a dent its first corner is
+    pulled in beyond its neighbours, so that the edge there points inwards."""
+    n, scene = options.faces, Scene()
+    if n < 3 + options.dent:
+        raise Problem(f"--faces must be {3 + options.dent} or more", 2)
+    turn = 2 * math.pi / n
+    rim = [(math.cos(turn * k), math.sin(turn * k), 2.0) for k in range(n)]
+    if options.dent:
+        rim[0] = (math.cos(turn) - 0.35, 0.0, 2.0)
+    for k in range(n):
+        scene.add("lit" if k == 0 else "dark", [(0, 0, 0), rim[k], rim[(k + 1) % n]])
+    return scene
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(
         prog="tools/scene",
@@ -166,7 +194,7 @@ def main() -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     kinds = parser.add_subparsers(dest="kind", required=True, metavar="KIND")
-    for make in (cornell, street, room, box):
+    for make in (cornell, street, room, box, wedge, vertex):
         kind = kinds.add_parser(make.__name__)
         kind.set_defaults(make=make)
         kind.add_argument("-o", "--output", metavar="FILE", required=True, help="OBJ file")
@@ -175,9 +203,14 @@ def main() -> None:
         if make is box:
             kind.add_argument("--n", type=int, default=8, help="facets along an edge; default 8")
             kind.add_argument("--inner", action="store_true", help="a second cube inside")
+        if make is wedge:
+            kind.add_argument("--angle", type=float, default=90.0, help="degrees; default 90")
+        if make is vertex:
+            kind.add_argument("--faces", type=int, default=3, metavar="N", help="default 3")
+            kind.add_argument("--dent", action="store_true", help="not convex: one edge inwards")
     options = parser.parse_args()
     scene = options.make(options)
-    words = {key: getattr(options, key) for key in ("triangles", "n", "inner") if key in options}
+    words = {key: getattr(options, key) for key in OPTIONS if key in options}
     shown = "".join(f" --{k}" if v is True else f" --{k} {v}" for k, v in words.items() if v)
     write_obj(scene, options.output, f"tools/scene {options.kind}{shown}")
     print(f"{options.output}: {len(scene.faces)} triangles")
