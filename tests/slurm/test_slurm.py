@@ -1,5 +1,5 @@
-"""tools/slurm in a real Slurm: a study as an array of four, a run that is cut by its time limit and
-goes on.
+"""tools/slurm in a real Slurm: a study as an array of four, a matrix in four parts, a run that is cut by
+its time limit and goes on.
 
     POLYRAD=build/release/polyrad POLYRAD_INPUTS=inputs tests/slurm/run
 """
@@ -106,6 +106,24 @@ class Slurm(unittest.TestCase):
         for column in ("method.elements", "unknowns", "error", "ratio", "eoc", "residual"):
             column = "/polyrad/study/" + column
             self.assertEqual(self.numbers("table.h5", column), self.numbers("whole.h5", column))
+
+    def test_parts(self):
+        """A matrix assembled by an array of four, solved by one job: the same bits as in one run."""
+        words = ("--quiet", "--set", "method.elements=4", "--set", "method.matrix=hierarchical",
+                 "--set", "method.quadrature_tolerance=1e-6")
+        self.cluster.environment["POLYRAD"] = PROGRAM
+        text = self.cluster.call(os.path.join(TOOLS, "parts"), "4", "deck.yml", "-o", "joined.vtkhdf",
+                                 *words, "--", "--cpus-per-task=1", "--output=parts_%j.log",
+                                 cwd=self.folder)
+        found = re.fullmatch(r"(\d+): 4 parts, deck_part_1_of_4.h5 .. deck_part_4_of_4.h5\n"
+                             r"(\d+): the solution, .*\n", text)
+        self.assertTrue(found, text)
+        array, solve = found.groups()
+        self.assertEqual(list(self.cluster.wait(array).values()), 4 * ["COMPLETED"], self.logs())
+        self.assertEqual(self.cluster.wait(solve), {solve: "COMPLETED"}, self.logs())
+        self.here("run", "deck.yml", "-o", "one.vtkhdf", *words)
+        value = "/polyrad/solution/value"
+        self.assertEqual(self.numbers("joined.vtkhdf", value), self.numbers("one.vtkhdf", value))
 
     def logs(self):
         return "".join(self.read(name) for name in self.files() if name.endswith(".log"))
