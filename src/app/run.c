@@ -362,8 +362,7 @@ enum rad_code rad_app_check(const struct rad_command *command, struct rad_error 
     fprintf(command->out,
             "  skipped  %.1f %% of %.4g point-element pairs: coplanar or facing away\n",
             100 * p->skipped / p->pairs, p->pairs);
-    fprintf(command->out, "  time     about %.2g s%s\n", p->seconds,
-            c.wants_bound ? ", and that of the error estimate" : "");
+    fprintf(command->out, "  time     about %.2g s\n", p->seconds);
   }
   rad_case_free(&c);
   return code;

@@ -348,12 +348,22 @@ static enum rad_code finer_mesh(struct work *w, struct rad_error *e) {
   return code ? code : rad_mesh_finish(&w->fine, e);
 }
 
-double rad_indicate_bytes(const struct rad_mesh *mesh, double tolerance) {
-  struct rad_interpolation star, d;
-  double fine = 0, nb = mesh->scene->n_band, elements = mesh->n_element;
+/* Points of the finer mesh, at most. */
+static double count_fine(const struct rad_mesh *mesh) {
+  double fine = 0;
   int more = mesh->scene->visibility->n_partly > 0 ? RAD_MORE_SHADED : RAD_MORE;
   for (int i = 0; i < mesh->n_element; i++)
     fine += (mesh->element[i].k_phi + more) * (double)(mesh->element[i].k_r + more);
+  return fine;
+}
+
+double rad_indicate_points(const struct rad_mesh *mesh) {
+  return count_fine(mesh) + (double)RAD_CHECKS * mesh->n_element;
+}
+
+double rad_indicate_bytes(const struct rad_mesh *mesh, double tolerance) {
+  struct rad_interpolation star, d;
+  double fine = count_fine(mesh), nb = mesh->scene->n_band, elements = mesh->n_element;
   rad_interpolation_init(&star, tolerance);
   rad_interpolation_init(&d, fmax(tolerance, COARSEST));
   double vectors = fine * (24 * nb + 20), checks = elements * RAD_CHECKS * (32 * nb + 30);

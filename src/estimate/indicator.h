@@ -41,6 +41,9 @@ enum { RAD_MORE = 2, RAD_MORE_SHADED = 4 };
 enum rad_code rad_indicate(const struct rad_mesh *mesh, const struct rad_rules *rules,
                            const unsigned char *sees, const unsigned char *passive, const double *u,
                            double enough, struct rad_indicator *x, struct rad_error *e);
+/* Points at which rad_indicate forms u* and K d, all of them. */
+double rad_indicate_points(const struct rad_mesh *mesh);
+
 /* Bytes that rad_indicate takes at most, for what is not the mesh. */
 double rad_indicate_bytes(const struct rad_mesh *mesh, double tolerance);
 

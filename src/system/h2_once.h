@@ -35,6 +35,15 @@ struct rad_once {
   double *mean;             /* owned [far blocks] mean of G between the nodes; 0 without points */
 };
 
+/* A cluster's moments [n_vector, p.n]; bytes of so much for all clusters. */
+static inline double *rad_once_moments(const struct rad_once *o, int cluster) {
+  return o->moment + (size_t)cluster * (size_t)o->n_vector * (size_t)o->p.n;
+}
+
+static inline size_t rad_once_bytes(const struct rad_once *o) {
+  return sizeof(double) * (size_t)o->tree.n_cluster * (size_t)o->n_vector * (size_t)o->p.n;
+}
+
 /**
  * @param[in]  leaf       unknowns of a leaf: more means more exact work and less by interpolation
  * @param[in]  tolerance  of the far blocks, relative to a row sum of 1

@@ -61,6 +61,14 @@ void rad_interpolation_between(const struct rad_interpolation *p, double low, do
   }
 }
 
+void rad_interpolation_child(const struct rad_interpolation *p, const struct rad_cluster *parent,
+                             const struct rad_cluster *child,
+                             double e[2][RAD_MAX_INTERPOLATION * RAD_MAX_INTERPOLATION]) {
+  for (int d = 0; d < 2; d++)
+    rad_interpolation_between(p, parent->low[d], parent->high[d], child->low[d], child->high[d],
+                              e[d]);
+}
+
 /* c = a b, all [q, q] column-major. */
 static inline void multiply(int q, const double *restrict a, const double *restrict b,
                             double *restrict c) {

@@ -25,6 +25,11 @@ void rad_interpolation_at(const struct rad_interpolation *p, double z, double *v
 void rad_interpolation_between(const struct rad_interpolation *p, double low, double high,
                                double low1, double high1, double *e);
 
+/* The same in both directions, between a cluster and one of its children. */
+void rad_interpolation_child(const struct rad_interpolation *p, const struct rad_cluster *parent,
+                             const struct rad_cluster *child,
+                             double e[2][RAD_MAX_INTERPOLATION * RAD_MAX_INTERPOLATION]);
+
 /**
  * out = A z B^T for n matrices z [q, q], all column-major.
  *
