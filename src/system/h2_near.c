@@ -71,7 +71,8 @@ int rad_near_list(const struct rad_tree *tree, const struct rad_block_list *near
       column += tree->mesh->element[tree->element[i]].n_function;
     }
   }
-  qsort(list->piece, n, sizeof *list->piece, by_element);
+  if (n)
+    qsort(list->piece, n, sizeof *list->piece, by_element);
   for (size_t i = 0; i < n; i++) {
     list->element[i] = list->piece[i].element;
     list->column[i] = list->piece[i].column;

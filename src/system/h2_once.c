@@ -106,7 +106,7 @@ enum rad_code rad_once_gather(struct rad_once *o, int n_vector, const double *co
                               struct rad_error *e) {
   rad_pages_free(o->moment, o->moment ? rad_once_bytes(o) : 0);
   o->n_vector = n_vector;
-  o->u = u;
+  memcpy(o->u, u, sizeof *u * (size_t)n_vector); /* the list may be gone when rows are asked for */
   find_light(o);
   o->moment = rad_pages_alloc(rad_once_bytes(o));
   int n_thread = omp_get_max_threads(), failed = !o->moment;

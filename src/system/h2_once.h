@@ -26,7 +26,7 @@ struct rad_once {
   struct rad_interpolation p; /* of far blocks */
   double tolerance;           /* of far blocks */
   int n_vector;
-  const double *const *u; /* borrowed [n_vector] of [n_point]: as last gathered */
+  const double *u[2 * RAD_MAX_BAND]; /* [n_vector] borrowed [n_point]: as last gathered */
   unsigned char
       *is_source; /* owned [n_cluster] it, or one above it, is the source of a far block */
   unsigned char *has_light; /* owned [n_element] some u_v is not 0 there */
