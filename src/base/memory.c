@@ -97,8 +97,12 @@ double rad_memory_resident(void) {
   return 1024 * fmax(read_key("/proc/self/status", "VmRSS:"), 0);
 }
 
+/* Not ru_maxrss, which a process inherits from the one that started it. */
 double rad_memory_peak(void) {
   struct rusage usage;
+  double peak = 1024 * read_key("/proc/self/status", "VmHWM:");
+  if (peak > 0)
+    return peak;
   getrusage(RUSAGE_SELF, &usage);
   return 1024.0 * (double)usage.ru_maxrss;
 }

@@ -92,8 +92,9 @@ static double matrix_bytes(const struct rad_adaptive *a) {
 static enum rad_code plan_level(const struct rad_goal *g, const struct rad_adaptive *before,
                                 const struct rad_adaptive *a, struct rad_system_plan *plan,
                                 struct rad_error *e) {
-  double left = fmin(g->memory - matrix_bytes(before),
-                     rad_memory_available() - rad_memory_reserved(omp_get_max_threads()));
+  /* The coarsest mesh is tried in any case: it is small, and there is nothing better. */
+  double reserved = before->mesh ? rad_memory_reserved(omp_get_max_threads()) : 0;
+  double left = fmin(g->memory - matrix_bytes(before), rad_memory_available() - reserved);
   enum rad_code code = rad_plan_system(a->mesh, g->matrix, g->solver, a->quadrature, left, plan, e);
   double need = plan->bytes + rad_indicate_bytes(a->mesh, a->quadrature) + 100.0 * a->mesh->n_point;
   if (code || need <= left)

@@ -14,6 +14,7 @@ import subprocess
 import tempfile
 import time
 import unittest
+from unittest import mock
 
 PROGRAM = os.path.abspath(os.environ.get("POLYRAD", "build/release/polyrad"))
 INPUTS = os.path.abspath(os.environ.get("POLYRAD_INPUTS", "inputs"))
@@ -475,6 +476,7 @@ class Memory(Case):
         text = self.done("check", *words).stdout
         return float(re.search(r"holds (\S+) MB", text).group(1))
 
+    @mock.patch.dict(os.environ, MALLOC_PERTURB_="0")  # Meson's value makes unused memory resident
     def test_prediction(self):
         """Peak memory within a factor of 1.5 of what check says."""
         factor = 1.5
@@ -601,7 +603,7 @@ class Check(Case):
         self.assertRegex(text, r"matrix +169\.9 MB")  # 8 x 4608^2 bytes
         self.assertRegex(text, r"holds \S+ MB of \S+ MB available")
         self.assertRegex(text, r"skipped +33\.3 %")  # each face sees the two others
-        self.assertRegex(text, r"time +about \S+ s, and that of the error estimate\n")
+        self.assertRegex(text, r"time +about \S+ s\n")
         self.assertNotIn("radiosity", text)
         self.assertEqual(self.files(), [])
 
