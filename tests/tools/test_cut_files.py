@@ -34,4 +34,5 @@ class CutFiles(unittest.TestCase):
         self.look("plot", "surface")
 
     def test_render(self):
+        call("venv", "render")  # says so on stderr when it has something to install
         self.look("render")
