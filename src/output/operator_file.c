@@ -197,6 +197,14 @@ static void write_basis(struct rad_hdf *h, hid_t parent, const char *name, size_
   free(count);
 }
 
+/* No basis has more columns than its cluster unknowns, whatever a file says. */
+static bool ranks_fit(const struct rad_tree *tree, const int *rank) {
+  for (int c = 0; c < tree->n_cluster; c++)
+    if (rank[c] < 0 || rank[c] > tree->cluster[c].n)
+      return false;
+  return true;
+}
+
 /* One array of all clusters, cut into theirs. */
 static bool read_pieces(hid_t group, const char *name, const struct rad_basis *b,
                         const size_t *count, double **piece) {
@@ -239,7 +247,7 @@ static bool read_basis(hid_t parent, const char *name, size_t n_node, struct rad
   bool done = !rad_basis_begin(to->tree, &b, &e) && count;
   list_basis(&b, &l);
   const hid_t group = open_group(parent, name);
-  done = done && group >= 0 && read_list(group, &l);
+  done = done && group >= 0 && read_list(group, &l) && ranks_fit(b.tree, b.rank);
   if (done) {
     set_counts(&b, n_node, count, count + n);
     done = read_pieces(group, "matrix", &b, count, b.matrix) &&
@@ -290,7 +298,9 @@ static bool read_far(hid_t group, struct rad_h2 *h2) {
   h2->row.rank = rad_alloc((size_t)h2->tree.n_cluster, sizeof(int));
   h2->column.rank = rad_alloc((size_t)h2->tree.n_cluster, sizeof(int));
   list_ranks(h2, &ranks);
-  if (!h2->row.rank || !h2->column.rank || !read_list(group, &ranks) || rad_h2_far_begin(h2, &e))
+  if (!h2->row.rank || !h2->column.rank || !read_list(group, &ranks) ||
+      !ranks_fit(&h2->tree, h2->row.rank) || !ranks_fit(&h2->tree, h2->column.rank) ||
+      rad_h2_far_begin(h2, &e))
     return false;
   for (int s = 0; s < 2; s++)
     rad_basis_free(&h2->basis[s]);

@@ -137,6 +137,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n) {
                                         &iterate};
     code = rad_checkpoint_read(path, &origin, &into, &e);
     fuzz_check_error(code, &e);
+    double n_point = c->mesh->n_point; /* no file makes a matrix larger than a dense one */
+    REQUIRE((double)h2.n_far <= n_point * n_point);
     rad_dense_free(&dense);
     rad_h2_free(&h2);
     rad_iterate_free(&iterate);
