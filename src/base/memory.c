@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #define UNLIMITED 1e300
+#define HUGE_PAGE ((size_t)2 << 20) /* bytes */
 #define THREAD_BYTES 1.5e8 /* malloc's arena of 64 MB, BLAS's buffer of 32 MB, stack and holes */
 
 /* The number after `key` in a /proc style file, or -1. */
@@ -107,20 +108,28 @@ double rad_memory_peak(void) {
   return 1024.0 * (double)usage.ru_maxrss;
 }
 
+/* Whole huge pages: only then does Linux place the first one on such a page's boundary. */
+static size_t whole_pages(size_t bytes) {
+  size_t page = bytes < HUGE_PAGE ? 4096 : HUGE_PAGE;
+  return (bytes + RAD_BEYOND + page - 1) / page * page;
+}
+
 void *rad_pages_alloc(size_t bytes) {
-  void *pages =
-      mmap(NULL, bytes ? bytes : 1, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (bytes > SIZE_MAX / 2)
+    return NULL;
+  size_t whole = whole_pages(bytes);
+  void *pages = mmap(NULL, whole, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (pages == MAP_FAILED)
     return NULL;
 #ifdef MADV_HUGEPAGE
-  madvise(pages, bytes, MADV_HUGEPAGE); /* a wish: without it everything works, a little slower */
+  madvise(pages, whole, MADV_HUGEPAGE); /* a wish: without it everything works, a little slower */
 #endif
   return pages;
 }
 
 void rad_pages_free(void *pages, size_t bytes) {
   if (pages)
-    munmap(pages, bytes ? bytes : 1);
+    munmap(pages, whole_pages(bytes));
 }
 
 void *rad_alloc(size_t n, size_t item) {

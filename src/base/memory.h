@@ -17,8 +17,10 @@ double rad_memory_resident(void);
 /* Largest resident size so far [bytes]. */
 double rad_memory_peak(void);
 
+enum { RAD_BEYOND = 64 }; /* bytes after the last that may be read: a vector register */
+
 /* Zeroed pages from the system, untouched ones cost nothing; huge pages where offered. NULL if
- * none. */
+ * none. RAD_BEYOND bytes more may be read, not written. */
 void *rad_pages_alloc(size_t bytes);
 void rad_pages_free(void *pages, size_t bytes); /* NULL is fine */
 

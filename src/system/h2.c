@@ -268,7 +268,6 @@ static void free_dense(struct rad_h2_dense *dense) {
 }
 
 void rad_h2_free(struct rad_h2 *h) {
-  free(h->subtree);
   rad_pages_free(h->work, sizeof(double) * RAD_MOST_VECTORS * h->n_work);
   free_side(&h->row);
   free_side(&h->column);

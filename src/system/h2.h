@@ -42,10 +42,7 @@ struct rad_h2 {
   int *place_count;  /* owned [n_cluster] places of clusters that have sector blocks, else 0 */
   size_t *spread_at; /* owned [n_cluster] where P_t begins in spread */
   size_t n_spread;
-  double *spread; /* owned [n_spread], pages: P_t [points, places] column-major */
-  int n_subtree, n_top;
-  int *subtree; /* owned [n_subtree + n_top] roots of subtrees that products take one by one; then
-                   the clusters above them, parents first */
+  double *spread;            /* owned [n_spread], pages: P_t [points, places] column-major */
   unsigned char *near_done;  /* owned [n_cluster] target leaves whose near blocks are done */
   int far_done;              /* bases and far blocks are done; until then: */
   struct rad_basis basis[2]; /* owned: of rows, of columns, as far as they are done */
