@@ -92,7 +92,7 @@ static const struct paper_table paper[] = {
      {NULL},
      {72, 288, 1152, 4608, 18432, 73728},
      {0.134305, 0.0651203, 0.0387982, 0.0210788, 0.00841548, 0}},
-    {"Table 4.6, exchanged",
+    {"S2, exchanged",
      "studies/wedge_p1.yml",
      2,
      6,
