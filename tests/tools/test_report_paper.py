@@ -15,6 +15,7 @@ import paper_mesh  # noqa: E402
 import paper_quadrature  # noqa: E402
 import paper_tables  # noqa: E402
 import report_paper  # noqa: E402
+import report_paper_figures  # noqa: E402
 from paper_exponents import exact_and_measured, local_exponents  # noqa: E402
 from paper_runs import SIDE, Runs  # noqa: E402
 
@@ -111,6 +112,34 @@ class Paper(unittest.TestCase):
             study = self.runs.study(deck, [1, 4])
             ours = self.runs.solution(deck, 4, p).on_grid(phi, r)
             np.testing.assert_allclose(ours, study.value[1][..., 0], atol=1e-6)
+
+    def test_points_are_found_again(self):
+        triangle = np.array([[0.1, 0, 0.2], [1, 0.3, 0], [0.2, 0.5, 1]])
+        rng = np.random.default_rng(2003)
+        for sub in range(6):
+            phi, r = rng.uniform(0.01, 0.99, (2, 20))
+            found = paper_mesh.locate(triangle, paper_mesh.place(triangle, sub, phi, r))
+            np.testing.assert_allclose(found[0], phi, atol=1e-12)
+            np.testing.assert_allclose(found[1], r, atol=1e-12)
+            np.testing.assert_array_equal(found[2], sub)
+
+    def test_a_half_plane_gives_one_half(self):
+        beta = np.array([0.7, 1.5, 2.4])  # Remark 2.5d: (1 + cos 90 degrees)/2
+        np.testing.assert_allclose(report_paper_figures.sigma(beta, 0, np.pi), 0.5, atol=1e-12)
+        parts = [report_paper_figures.sigma(beta, 0, 1), report_paper_figures.sigma(beta, 1, np.pi)]
+        np.testing.assert_allclose(sum(parts), 0.5, atol=1e-12)
+
+    def test_figures(self):
+        for figure in report_paper.FIGURES:
+            name = f"paper_{figure.name}.svg"
+            self.assertIn(f"(img/{name})", PAGE)
+            self.assertTrue((ROOT / "docs/img" / name).is_file(), name)
+        twice = []
+        for figure in (report_paper.FIGURES[1], report_paper.FIGURES[5]):
+            made = report_paper.drawn(figure, self.runs, False, self.runs.folder)
+            twice.append(made.read_text())
+        self.assertIn(">23<", twice[0])  # rectangles of P(3,2)
+        self.assertIn("72 points of P1 (dots), 126 of constants", twice[1])
 
     def test_counts_of_unknowns(self):
         for rounding, counts in (

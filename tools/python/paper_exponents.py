@@ -44,7 +44,7 @@ def away(point, along, toward) -> tuple[float, ...]:
 LINES = {
     "cube_corner_p1.yml": [
         Line("edge, r = 1", "floor", (0.5, 0, 0), (0, 1, 0)),
-        Line("edge, r = 1/2", "floor", (0.25, 0, 0), (0, 1, 0)),
+        Line("edge, r = 1/64", "floor", (1 / 128, 0, 0), (0, np.pi / (6 * np.sqrt(3)) / 64, 0)),  # h: phi
         Line("vertex, t = 1/4", "floor", (0, 0, 0), unit((np.cos(np.pi / 8), np.sin(np.pi / 8), 0))),
         Line("vertex, t = 1/2", "floor", (0, 0, 0), unit((1, 1, 0))),
     ],

@@ -34,6 +34,19 @@ def place(triangle: np.ndarray, sub: int, phi, r) -> np.ndarray:
     )
 
 
+def locate(triangle: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(phi, r) of points [n, 2 or 3] of a triangle, and their sub-triangles."""
+    phi, r, sub = (np.full(len(points), np.nan), np.zeros(len(points)), np.full(len(points), -1))
+    for s, (corner, toward) in enumerate(SUBS):
+        middle = (triangle[corner] + triangle[toward]) / 2
+        sides = np.stack([middle - triangle[corner], triangle.mean(axis=0) - middle], axis=1)
+        along, across = np.linalg.pinv(sides) @ (points - triangle[corner]).T
+        t = across / np.where(along > 0, along, np.inf)
+        here = (sub < 0) & (along <= 1 + 1e-12) & (t >= -1e-12) & (t <= 1 + 1e-12) & (along > 0)
+        phi[here], r[here], sub[here] = 6 / np.pi * np.arctan(t[here] / np.sqrt(3)), along[here], s
+    return phi.clip(0, 1), r.clip(0, 1), sub
+
+
 def collocation(box: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(phi, r) of the four Gauss points of every rectangle [m, 4], phi fastest."""
     phi = box[:, :1, 0] + (box[:, :1, 1] - box[:, :1, 0]) * np.tile(GAUSS, 2)
@@ -47,7 +60,7 @@ class Solution:
     def __init__(self, result, n: int, p: float):
         self.triangles = np.asarray(result.array("polyrad/triangles/vertices"))
         self.box, self.layer = rectangles(n, p)
-        points = np.asarray(result.array("polyrad/solution/point"))
+        points = self.points = np.asarray(result.array("polyrad/solution/point"))
         values = np.asarray(result.array("polyrad/solution/value"))
         shape = (len(self.triangles), len(SUBS), len(self.box), 4)
         if values.size != np.prod(shape):
@@ -74,6 +87,14 @@ class Solution:
         v = self.value[triangle, sub, m]
         low = v[..., 0] + a * (v[..., 1] - v[..., 0])
         return low + b * (v[..., 2] + a * (v[..., 3] - v[..., 2]) - low)
+
+    def at_points(self, triangle: int, points: np.ndarray) -> np.ndarray:
+        """u_h at points [n, 3] of a triangle."""
+        phi, r, sub = locate(self.triangles[triangle], points)
+        value = np.empty(len(points))
+        for s in range(len(SUBS)):
+            value[sub == s] = self.at(triangle, s, phi[sub == s], r[sub == s])
+        return value
 
     def on_grid(self, phi, r) -> np.ndarray:
         """[triangle, sub, point] at the same (phi, r) of every sub-triangle."""

@@ -63,10 +63,10 @@ class Runs:
         """Their vertices [t, 3, 3]."""
         return self.solution(deck, 1, 1 + deck.endswith("p2.yml")).triangles
 
-    def solution(self, deck: str, n: int, p: int) -> Solution:
-        """u_h of the paper's method, P1 on P(N,p)."""
-        settings = ["--set", f"method.elements={n}", "--set", "output.sampling=4"]
-        return Solution(self.result(self.deck(deck), f"{deck[:-4]}_{n}", settings), n, p)
+    def solution(self, deck: str, n: int, p: int, name="", settings: list[str] | None = None) -> Solution:
+        """u_h of the paper's method, P1 on P(N,p); other settings need a name of their own."""
+        given = ["--set", f"method.elements={n}", "--set", "output.sampling=1", *(settings or [])]
+        return Solution(self.result(self.deck(deck), f"{deck[:-4]}{name}_{n}", given), n, p)
 
     def study(self, deck: str, numbers: list[int], settings: list[str] | None = None, bands=1) -> Study:
         """The runs of a study for these N, the last of which is the reference."""

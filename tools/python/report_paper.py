@@ -5,14 +5,52 @@ import argparse
 import os
 import re
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
+from typing import NamedTuple
 
 import paper_tables as tables
+import report_paper_figures as meshes
+import report_paper_solutions as solutions
+import view
 from paper_runs import Runs
 from paper_tables import Table
 from result import Problem, run
 
 ROOT = Path(__file__).resolve().parents[2]
+
+
+class Figure(NamedTuple):
+    name: str  # of the file: paper_NAME.svg
+    title: str
+    caption: str
+    draw: Callable  # (runs, full): a figure of matplotlib
+
+
+FIGURES = [
+    Figure("2_2", "Figures 2.2 and 2.3", "What a sector, and a quarter plane, give to a plane through its peak.", meshes.figure_2_2),
+    Figure("3_4", "Figure 3.4", "The partition P(3,2) of the square.", meshes.figure_3_4),
+    Figure("3_5", "Figure 3.5", "P(3,2) in all six sub-triangles of the reference triangle.", meshes.figure_3_5),
+    Figure("3_6", "Figure 3.6", "P(2,2) on S1.", meshes.figure_3_6),
+    Figure("3_7", "Figure 3.7", "Collocation points on S1, P(2,2), i* = 0.", meshes.figure_3_7),
+    Figure("3_8", "Figure 3.8", "The same with constants in one row.", meshes.figure_3_8),
+    Figure("4_1", "Figure 4.1", "Radiosity of S1, seen from (5, 5, 5).", solutions.figure_4_1),
+    Figure("4_2", "Figure 4.2", "u on the arcs (4.7) about the vertex.", solutions.figure_4_2),
+    Figure("4_3", "Figure 4.3", "Its derivative at r = 0.01, p = 1.", solutions.figure_4_3),
+    Figure("4_4", "Figure 4.4", "The same, p = 2.", solutions.figure_4_4),
+    Figure("exponents", "(4.6)", "Exponents from three points h, 2h, 4h.", solutions.figure_exponents),
+    Figure("4_5", "Figure 4.5", "Solution of S2, seen from (5, 5, 2).", solutions.figure_4_5),
+]
+
+
+def drawn(figure: Figure, runs: Runs, full: bool, folder: Path) -> Path:
+    """The figure as an SVG file, the same bytes for the same numbers."""
+    path = folder / f"paper_{figure.name}.svg"
+    with view.plt.rc_context({"svg.hashsalt": "polyrad"}):
+        picture = figure.draw(runs, full)
+        picture.savefig(path, dpi=150, facecolor="white", metadata={"Date": None})
+        view.plt.close(picture)
+    return path
 
 
 def all_tables(runs: Runs, full: bool) -> dict[str, Table]:
@@ -46,13 +84,19 @@ def places(page: str) -> list[str]:
 
 def main() -> None:
     options = argparse.ArgumentParser(prog="tools/paper", description=__doc__)
-    options.add_argument("--page", default=str(ROOT / "docs/paper.md"), help="default: docs/paper.md")
+    options.add_argument("--docs", default=str(ROOT / "docs"), help="default: docs; holds paper.md, img/")
+    options.add_argument("--short", action="store_true", help="smaller N, no tables: a look at the figures")
     options = options.parse_args()
     polyrad = Path(os.environ.get("POLYRAD", ROOT / "build/release/polyrad"))
-    page = Path(options.page)
+    docs = Path(options.docs)
+    page = docs / "paper.md"
+    (docs / "img").mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
         runs = Runs(polyrad, ROOT, Path(folder))
-        page.write_text(with_tables(page.read_text(), all_tables(runs, full=True)))
+        if not options.short:
+            page.write_text(with_tables(page.read_text(), all_tables(runs, full=True)))
+        for figure in FIGURES:
+            drawn(figure, runs, not options.short, docs / "img")
 
 
 if __name__ == "__main__":
