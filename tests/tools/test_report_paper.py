@@ -141,6 +141,16 @@ class Paper(unittest.TestCase):
         self.assertIn(">23<", twice[0])  # rectangles of P(3,2)
         self.assertIn("72 points of P1 (dots), 126 of constants", twice[1])
 
+    def test_what_differs_as_html(self):
+        made = report_paper.differences(PAGE)
+        self.assertEqual(made.count("<li>"), 7)
+        self.assertIn("<b>It is 0.8384.</b>", made)
+        self.assertNotIn("**", made)
+        table = paper_tables.Table("a < b", ["x"], [["1 & 2"]], ["**so** it is"])
+        self.assertIn("<h3>a &lt; b</h3>", table.page())
+        self.assertIn("<td>1 &amp; 2</td>", table.page())
+        self.assertIn("<p>so it is</p>", table.page())
+
     def test_counts_of_unknowns(self):
         for rounding, counts in (
             (lambda x: np.floor(x + 0.5), [72, 576, 3168, 16272, 77760]),

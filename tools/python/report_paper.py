@@ -2,6 +2,8 @@
 the made parts of docs/paper.md (tools/paper)."""
 
 import argparse
+import base64
+import html
 import os
 import re
 import tempfile
@@ -75,6 +77,43 @@ def with_tables(page: str, made: dict[str, Table]) -> str:
         before, rest = page.split(mark)
         page = f"{before}{mark}\n{table.markdown()}\n\n{end}{rest.split(end, 1)[1]}"
     return page
+
+
+def differences(page: str) -> str:
+    """The list at the end of docs/paper.md, what differs and how it was settled, as HTML."""
+    text = page.split("## Where the paper and we differ, and how it was settled")[1]
+    items = re.split(r"^\d+\. ", text, flags=re.MULTILINE)[1:]
+    found = []
+    for item in items:
+        line = html.escape(" ".join(item.split()))
+        line = re.sub(r"\*\*(.*?)\*\*", r"<b>\1</b>", line)
+        line = re.sub(r"`(.*?)`", r"<code>\1</code>", line)
+        line = re.sub(r"(?<!\w)\*(\w[^*]*)\*", r"<i>\1</i>", line)
+        found.append(f"<li>{line}</li>")
+    return "<h3>Where the paper and we differ, and how it was settled</h3>\n<ol>" + "\n".join(found) + "</ol>"
+
+
+def contents(runs: Runs, full: bool, page: str) -> tuple[str, list[Path]]:
+    """All of it as HTML that needs no other file, and the figures as files. PAGE: text of docs/paper.md."""
+    parts = [table.page() for table in all_tables(runs, full).values()]
+    files = [drawn(figure, runs, full, runs.folder) for figure in FIGURES]
+    for figure, file in zip(FIGURES, files, strict=True):
+        data = base64.b64encode(file.read_bytes()).decode()
+        text = html.escape(f"{figure.title}. {figure.caption}")
+        image = f'<img alt="{text}" src="data:image/svg+xml;base64,{data}">'
+        parts.append(f"<figure>{image}<figcaption>{text}</figcaption></figure>")
+    return "\n".join([*parts, differences(page)]), files
+
+
+def section(ctx):
+    """The section of tools/report."""
+    from report_context import Section
+
+    folder = Path(ctx.folder) / "paper"
+    folder.mkdir(parents=True, exist_ok=True)
+    runs = Runs(Path(ctx.polyrad), Path(ctx.root), folder)
+    page = (Path(ctx.root) / "docs/paper.md").read_text()
+    return Section("The paper, reproduced", *contents(runs, ctx.full, page))
 
 
 def places(page: str) -> list[str]:
