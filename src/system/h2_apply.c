@@ -142,7 +142,7 @@ static void add_near(const struct rad_h2 *h, int target, int n_vector) {
 static void add_sector(const struct rad_h2 *h, int target, int n_vector) {
   const struct rad_cluster *t = &h->tree.cluster[target];
   size_t m = (size_t)h->place_count[target];
-  double place[RAD_MOST_VECTORS][RAD_MAX_PLACES], *y[RAD_MOST_VECTORS];
+  double place[RAD_MOST_VECTORS][RAD_MAX_PLACES], *y[RAD_MOST_VECTORS] = {NULL};
   for (int v = 0; v < n_vector; v++) {
     y[v] = place[v];
     memset(y[v], 0, sizeof(double) * m);
