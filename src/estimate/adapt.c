@@ -8,6 +8,7 @@
 
 #include "base/clock.h"
 #include "base/memory.h"
+#include "estimate/approach.h"
 #include "visibility/visibility.h"
 
 enum { MAX_LEVEL = 40 };
@@ -170,8 +171,9 @@ static void set_bound(struct rad_adaptive *a) {
   double residual = isinf(least) ? 0 : a->report.residual / least;
   double rest = 3 * a->quadrature + a->h2.error + residual, norm = fmax(a->report.inverse_norm, 1);
   double safety = safety_of(a->layout.scene);
-  a->bound = (safety * a->indicator.worst + rest) * norm;
-  a->bound_limit = (safety * a->indicator.limit + rest) * norm;
+  double unseen = a->indicator.worst_unseen;
+  a->bound = (safety * (a->indicator.worst + unseen) + rest) * norm;
+  a->bound_limit = (safety * (a->indicator.limit + unseen) + rest) * norm;
 }
 
 /* z = (I - rho K)^{-1} g with the largest |rho K d| of each element as g: pointwise bound. */
@@ -186,17 +188,19 @@ static enum rad_code set_element_bound(struct rad_adaptive *a, struct rad_error 
   for (int b = 0; b < a->layout.scene->n_band && !code; b++) {
     for (int i = 0; i < a->mesh->n_element; i++) {
       const struct rad_element *el = &a->mesh->element[i];
+      double found = a->indicator.local[i] + a->indicator.unseen[rad_element_triangle(a->mesh, i)];
       for (int f = 0; f < el->n_function; f++)
-        right[el->first + f] =
-            safety_of(a->layout.scene) * a->indicator.local[i] + 3 * a->quadrature + a->h2.error;
+        right[el->first + f] = safety_of(a->layout.scene) * found + 3 * a->quadrature + a->h2.error;
     }
     struct rad_linear system = {
         .rho = a->rho + (size_t)b * n, .emission = right, .u = z, .tolerance = 1e-6};
     code = rad_gmres(&k, 1, &system, e);
+    int is_known = code != RAD_ENUMERIC; /* else the bound of all elements is that of each */
+    code = is_known ? code : RAD_OK;
     for (int i = 0; i < a->mesh->n_element && !code; i++) {
       const struct rad_element *el = &a->mesh->element[i];
       for (int f = 0; f < el->n_function; f++)
-        a->element_bound[i] = fmax(a->element_bound[i], z[el->first + f]);
+        a->element_bound[i] = fmax(a->element_bound[i], is_known ? z[el->first + f] : a->bound);
     }
   }
   free(right);
@@ -213,6 +217,14 @@ static void refine_direction(double factor, double rate, int *k, int *split) {
   }
   int add = (int)ceil(fmin(fmax(more, 1), 6));
   *k = *k + add < RAD_MAX_POINTS_1D ? *k + add : RAD_MAX_POINTS_1D;
+}
+
+/* The effect from which on a foot matters: all together, they do worst_unseen. */
+static double least_effect(const struct rad_indicator *x, double share) {
+  double most = 0;
+  for (int i = 0; i < x->feet.n_foot; i++)
+    most = fmax(most, x->feet.foot[i].effect);
+  return NEARLY * share * most / fmax(x->worst_unseen, 1e-300);
 }
 
 static enum rad_code refine(const struct rad_goal *g, struct rad_adaptive *a, struct rad_error *e) {
@@ -240,7 +252,7 @@ static enum rad_code refine(const struct rad_goal *g, struct rad_adaptive *a, st
   }
   enum rad_code code = rad_layout_refine(l, what, e);
   free(what);
-  return code;
+  return code ? code : rad_approach(&x->feet, least_effect(x, share), l, e);
 }
 
 /* With `whole`, at all check points even if the bound is far off. */
@@ -258,7 +270,7 @@ static enum rad_code estimate(const struct rad_goal *g, int whole, struct rad_ad
 }
 
 /* One level: solve and estimate. The level before is freed at the end, or put back, with the
- * reason, if the new one runs out of memory. */
+ * reason, if the new one runs out of memory or cannot be solved. */
 static enum rad_code level(const struct rad_scene *scene, const struct rad_goal *g,
                            struct rad_adaptive *a, struct rad_error *e) {
   struct rad_adaptive before = *a;
@@ -276,7 +288,7 @@ static enum rad_code level(const struct rad_scene *scene, const struct rad_goal 
     code = estimate(g, 0, a, e);
   a->seconds_estimate = rad_seconds() - start;
   a->levels++;
-  if (code != RAD_ESYSTEM || !before.mesh) {
+  if ((code != RAD_ESYSTEM && code != RAD_ENUMERIC) || !before.mesh) {
     free_level(&before);
     return code;
   }

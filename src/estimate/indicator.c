@@ -9,6 +9,7 @@
 #include "estimate/checks.h"
 #include "estimate/iterate.h"
 #include "estimate/layout.h"
+#include "estimate/modes.h"
 #include "visibility/visibility.h"
 
 /* Points with this part of the worst error tell how many elements share it. */
@@ -118,61 +119,6 @@ static void set_difference(struct work *w, const double *u) {
         w->x->change = fmax(w->x->change, fabs(w->d[at]));
       }
     }
-}
-
-/* ---- how the modes of u* decay ------------------------------------------------------------- */
-
-/* e^-rate per degree fitted to the last modes; modes at rounding level decay fast enough. */
-static double decay(const double *mode, int n) {
-  int from = n > 6 ? n - 6 : 1, count = 0;
-  double sx = 0, sy = 0, sxx = 0, sxy = 0;
-  for (int m = from; m < n; m++) {
-    double y = log(fmax(mode[m], 1e-16)), x = m;
-    sx += x;
-    sy += y;
-    sxx += x * x;
-    sxy += x * y;
-    count++;
-  }
-  double det = count * sxx - sx * sx;
-  return det > 0 ? -(count * sxy - sx * sy) / det : 1;
-}
-
-/* Legendre modes of u* on one fine element: what lies beyond the coarse element's, and the decay.
- */
-static void modes(struct work *w, int i) {
-  const struct rad_element *c = &w->mesh->element[i], *f = &w->fine.element[i];
-  const double *xp = rad_gauss_node(&w->fine.gauss, f->k_phi),
-               *wp = rad_gauss_weight(&w->fine.gauss, f->k_phi);
-  const double *xr = rad_gauss_node(&w->fine.gauss, f->k_r),
-               *wr = rad_gauss_weight(&w->fine.gauss, f->k_r);
-  double pp[RAD_GAUSS_MAX][RAD_GAUSS_MAX], pr[RAD_GAUSS_MAX][RAD_GAUSS_MAX];
-  double mode_phi[RAD_GAUSS_MAX] = {0}, mode_r[RAD_GAUSS_MAX] = {0};
-  for (int q = 0; q < f->k_phi; q++)
-    rad_legendre(f->k_phi, xp[q], pp[q]);
-  for (int q = 0; q < f->k_r; q++)
-    rad_legendre(f->k_r, xr[q], pr[q]);
-  for (int b = 0; b < w->n_band; b++) {
-    if (w->x->scale[b] == 0)
-      continue;
-    const double *u = w->star + (size_t)b * (size_t)w->fine.n_point + f->first;
-    for (int n = 0; n < f->k_r; n++)
-      for (int m = 0; m < f->k_phi; m++) {
-        double a = 0;
-        for (int r = 0; r < f->k_r; r++)
-          for (int q = 0; q < f->k_phi; q++)
-            a += wp[q] * wr[r] * pp[q][m] * pr[r][n] * u[q + f->k_phi * r];
-        a = fabs(a) * (2 * m + 1) * (2 * n + 1) / (4 * w->x->scale[b]);
-        mode_phi[m] += a;
-        mode_r[n] += a;
-      }
-  }
-  for (int m = c->k_phi; m < f->k_phi; m++)
-    w->x->tail_phi[i] += mode_phi[m];
-  for (int n = c->k_r; n < f->k_r; n++)
-    w->x->tail_r[i] += mode_r[n];
-  w->x->rate_phi[i] = decay(mode_phi, f->k_phi);
-  w->x->rate_r[i] = decay(mode_r, f->k_r);
 }
 
 /* ---- rho K d at the check points ------------------------------------------------------------ */
@@ -294,12 +240,27 @@ static enum rad_code check(struct work *w, int rest, struct rad_error *e) {
   return code ? code : gather(w, e);
 }
 
+/* ---- d between the samples ------------------------------------------------------------------- */
+
+static enum rad_code look_below(struct work *w, const struct rad_rules *rules, const double *u,
+                                struct rad_error *e) {
+  struct rad_indicator *x = w->x;
+  enum rad_code code = rad_feet_find(w->mesh, w->sees, w->passive, &x->feet, e);
+  if (!code)
+    code = rad_feet_gaps(w->mesh, &w->fine, rules, w->sees, u, w->star, w->d, x->scale, w->weight,
+                         &x->feet, x->unseen, e);
+  for (int t = 0; t < w->mesh->scene->n_triangle; t++)
+    x->worst_unseen = fmax(x->worst_unseen, x->unseen[t]);
+  return code;
+}
+
 /* -------------------------------------------------------------------------------------------- */
 
-static enum rad_code allocate(struct rad_indicator *x, int n_element, int n_band,
+static enum rad_code allocate(struct rad_indicator *x, int n_element, int n_triangle, int n_band,
                               struct rad_error *e) {
   double **list[] = {&x->local, &x->part, &x->tail_phi, &x->tail_r, &x->rate_phi, &x->rate_r};
   int failed = !(x->scale = rad_calloc((size_t)n_band, sizeof(double)));
+  failed |= !(x->unseen = rad_calloc((size_t)n_triangle, sizeof(double)));
   for (int i = 0; i < 6; i++)
     failed |= !(*list[i] = rad_calloc((size_t)n_element, sizeof(double)));
   return failed ? rad_fail_memory(e, "the error estimate", 48.0 * n_element) : RAD_OK;
@@ -313,6 +274,8 @@ double rad_indicator_scale(const struct rad_indicator *x, int n_band) {
 }
 
 void rad_indicator_free(struct rad_indicator *x) {
+  rad_feet_free(&x->feet);
+  free(x->unseen);
   free(x->scale);
   free(x->local);
   free(x->part);
@@ -389,7 +352,7 @@ enum rad_code rad_indicate(const struct rad_mesh *mesh, const struct rad_rules *
   *x = (struct rad_indicator){0};
   struct work w = {
       .passive = passive, .mesh = mesh, .sees = sees, .n_band = mesh->scene->n_band, .x = x};
-  enum rad_code code = allocate(x, mesh->n_element, w.n_band, e);
+  enum rad_code code = allocate(x, mesh->n_element, mesh->scene->n_triangle, w.n_band, e);
   if (!code)
     code = finer_mesh(&w, e);
   if (!code)
@@ -397,9 +360,12 @@ enum rad_code rad_indicate(const struct rad_mesh *mesh, const struct rad_rules *
   if (!code) {
     set_difference(&w, u);
     for (int i = 0; i < mesh->n_element; i++)
-      modes(&w, i);
+      rad_modes(&w.fine, i, &mesh->element[i], w.n_band, w.star, x->scale,
+                (struct rad_modes){&x->tail_phi[i], &x->tail_r[i], &x->rate_phi[i], &x->rate_r[i]});
     code = begin_checks(&w, rules->tolerance, e);
   }
+  if (!code)
+    code = look_below(&w, rules, u, e);
   x->spread = 1;
   for (int rest = 0; rest < 2 && !code && x->worst <= enough; rest++)
     code = check(&w, rest, e);

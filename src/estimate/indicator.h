@@ -2,7 +2,7 @@
 #ifndef RAD_ESTIMATE_INDICATOR_H
 #define RAD_ESTIMATE_INDICATOR_H
 
-#include "integrate/rule.h"
+#include "estimate/feet.h"
 
 /**
  * With d = u* - u_h:  u - u* = (I - rho K)^{-1} rho K d, so with w = (I - rho K)^{-1} 1
@@ -22,7 +22,10 @@ struct rad_indicator {
   double *local; /* owned [n_element] max of |rho K d| / scale at the element's check points */
   double *part;  /* owned [n_element] max over check points of |rho K d_e| / scale */
   double *tail_phi,
-      *tail_r; /* owned [n_element] size of u*'s modes beyond the element's, over scale */
+      *tail_r;    /* owned [n_element] size of u*'s modes beyond the element's, over scale */
+  double *unseen; /* owned [n_triangle] most that d between the samples does to rho K d (6.10) */
+  double worst_unseen;
+  struct rad_feet feet;      /* where that may be */
   double *rate_phi, *rate_r; /* owned [n_element] decay of its modes: e^-rate per degree */
 };
 
