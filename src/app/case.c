@@ -232,7 +232,12 @@ static enum rad_code estimate_by_hand(struct rad_case *c, struct rad_error *e) {
 
 static enum rad_code solve_adaptive(struct rad_case *c, struct rad_error *e) {
   struct rad_goal goal = goal_of(c);
-  enum rad_code code = rad_adapt(&c->scene, &goal, &c->adaptive, e);
+  struct rad_stage from;
+  enum rad_code code = rad_case_stage(c, &from, e);
+  goal.from = from.leaf ? &from : NULL;
+  if (!code)
+    code = rad_adapt(&c->scene, &goal, &c->adaptive, e);
+  rad_stage_free(&from);
   adopt(c);
   c->has_bound = !code;
   if (c->mesh) {

@@ -21,13 +21,18 @@ static struct rad_origin origin_of(const struct rad_case *c, const char *command
                              .started = started};
 }
 
+static struct rad_checkpoint matrix_and_iterate(struct rad_case *c) {
+  return (struct rad_checkpoint){.dense = c->dense.done ? &c->dense : NULL,
+                                 .h2 = c->h2.near_done ? &c->h2 : NULL,
+                                 .iterate = &c->iterate};
+}
+
 enum rad_code rad_case_save(struct rad_case *c, const char *path, const char *command,
                             double started, struct rad_error *e) {
   const struct rad_origin origin = origin_of(c, command, started);
-  struct rad_checkpoint holds = {0};
-  if (!c->is_adaptive) /* which begins again */
-    holds = (struct rad_checkpoint){c->dense.done ? &c->dense : NULL,
-                                    c->h2.near_done ? &c->h2 : NULL, &c->iterate};
+  struct rad_checkpoint holds = matrix_and_iterate(c);
+  if (c->is_adaptive && !(holds.stage = rad_adaptive_stage(&c->adaptive)))
+    holds = (struct rad_checkpoint){0}; /* the first level begins again */
   return rad_checkpoint_write(path, &origin, &holds, e);
 }
 
@@ -35,7 +40,7 @@ enum rad_code rad_case_restart(struct rad_case *c, const char *path, struct rad_
   const struct rad_origin origin = origin_of(c, NULL, 0);
   enum rad_matrix form = RAD_MATRIX_AUTO;
   enum rad_code code = rad_checkpoint_look(path, &origin, &form, e);
-  if (!code && form != RAD_MATRIX_AUTO)
+  if (!code && form != RAD_MATRIX_AUTO && !c->is_adaptive)
     code = rad_case_keep_form(c, form, e);
   c->restart = path;
   return code;
@@ -81,9 +86,26 @@ enum rad_code rad_case_restore(struct rad_case *c, struct rad_error *e) {
   const struct rad_part_matrix m = matrix_of(c);
   if (!c->restart)
     return rad_parts_read(c->n_part, c->part, &origin, &m, e);
-  const struct rad_checkpoint into = {c->dense.done ? &c->dense : NULL,
-                                      c->h2.near_done ? &c->h2 : NULL, &c->iterate};
+  const struct rad_checkpoint into = matrix_and_iterate(c);
   return rad_checkpoint_read(c->restart, &origin, &into, e);
+}
+
+static enum rad_code read_stage_matrix(void *context, struct rad_dense *dense, struct rad_h2 *h2,
+                                       struct rad_error *e) {
+  const struct rad_case *c = context;
+  const struct rad_origin origin = origin_of(c, NULL, 0);
+  const struct rad_checkpoint into = {.dense = dense, .h2 = h2};
+  return rad_checkpoint_read(c->restart, &origin, &into, e);
+}
+
+enum rad_code rad_case_stage(struct rad_case *c, struct rad_stage *stage, struct rad_error *e) {
+  const struct rad_origin origin = origin_of(c, NULL, 0);
+  *stage = (struct rad_stage){0};
+  enum rad_code code =
+      c->restart ? rad_checkpoint_read_stage(c->restart, &origin, stage, e) : RAD_OK;
+  stage->read = read_stage_matrix;
+  stage->context = c;
+  return code;
 }
 
 const char *rad_restart_find(const struct rad_command *command) {

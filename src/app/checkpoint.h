@@ -38,6 +38,10 @@ enum rad_code rad_case_write_part(struct rad_case *c, struct rad_part_number par
  * what c->part has of the matrix. */
 enum rad_code rad_case_restore(struct rad_case *c, struct rad_error *e);
 
+/* Where an adaptive run with c->restart goes on; to be freed with rad_stage_free, also after an
+ * error. Without leaves: from the beginning. */
+enum rad_code rad_case_stage(struct rad_case *c, struct rad_stage *stage, struct rad_error *e);
+
 /* The checkpoint that a command goes on from, or NULL. One that is not there yet, but would be
  * written, is none: it is the first time that this command runs. */
 const char *rad_restart_find(const struct rad_command *command);

@@ -9,13 +9,10 @@
 #include "base/clock.h"
 #include "base/memory.h"
 #include "estimate/approach.h"
+#include "estimate/bound.h"
 #include "visibility/visibility.h"
 
 enum { MAX_LEVEL = 40 };
-
-/* d is seen through a finer mesh and at check points only: what they may miss. */
-#define SAFETY 1.5
-#define SAFETY_SHADED 2.5 /* d has kinks */
 
 /* A refined part is meant to become this much smaller than its share, more so at later levels, and
  * parts that are nearly too large are refined as well: a level costs more than the unknowns that
@@ -49,6 +46,8 @@ static void free_level(struct rad_adaptive *a) {
 void rad_adaptive_free(struct rad_adaptive *a) {
   free_level(a);
   rad_layout_free(&a->layout);
+  rad_stage_free(&a->last[0]);
+  rad_stage_free(&a->last[1]);
   free(a->element_bound);
   *a = (struct rad_adaptive){0};
 }
@@ -89,6 +88,11 @@ static double matrix_bytes(const struct rad_adaptive *a) {
   return a->h2.mesh ? a->h2.bytes : 8 * n * n;
 }
 
+/* The stage to go on from, if the present level begins there. */
+static const struct rad_stage *stage_of(const struct rad_goal *g, const struct rad_adaptive *a) {
+  return g->from && a->levels == g->from->levels ? g->from : NULL;
+}
+
 /* The matrix of the present mesh; refused if it and the estimate do not fit beside `before`. */
 static enum rad_code plan_level(const struct rad_goal *g, const struct rad_adaptive *before,
                                 const struct rad_adaptive *a, struct rad_system_plan *plan,
@@ -96,7 +100,9 @@ static enum rad_code plan_level(const struct rad_goal *g, const struct rad_adapt
   /* The coarsest mesh is tried in any case: it is small, and there is nothing better. */
   double reserved = before->mesh ? rad_memory_reserved(omp_get_max_threads()) : 0;
   double left = fmin(g->memory - matrix_bytes(before), rad_memory_available() - reserved);
-  enum rad_code code = rad_plan_system(a->mesh, g->matrix, g->solver, a->quadrature, left, plan, e);
+  const struct rad_stage *from = stage_of(g, a);
+  enum rad_code code = rad_plan_system(a->mesh, from ? from->matrix : g->matrix, g->solver,
+                                       a->quadrature, left, plan, e);
   double need = plan->bytes + rad_indicate_bytes(a->mesh, a->quadrature) + 100.0 * a->mesh->n_point;
   if (code || need <= left)
     return code;
@@ -107,14 +113,19 @@ static enum rad_code plan_level(const struct rad_goal *g, const struct rad_adapt
                   fmax(left, 0) / 1e9, before->mesh ? "a larger tolerance" : "fewer triangles");
 }
 
+static enum rad_code assemble_h2(const struct rad_stage *from, struct rad_adaptive *a,
+                                 struct rad_error *e) {
+  enum rad_code code = rad_h2_begin(a->mesh, a->rules.tolerance, &a->h2, e);
+  if (!code && from)
+    code = from->read(from->context, NULL, &a->h2, e);
+  if (!code)
+    code = rad_h2_finish(&a->h2, &a->rules, e);
+  return code ? code : rad_h2_check(&a->h2, &a->rules, e);
+}
+
 /* Blocks of a dense matrix that did not change come from `before`. */
-static enum rad_code assemble(const struct rad_adaptive *before, const struct rad_system_plan *plan,
-                              struct rad_adaptive *a, struct rad_error *e) {
-  enum rad_code code;
-  if (plan->matrix == RAD_MATRIX_HIERARCHICAL) {
-    code = rad_h2_build(a->mesh, &a->rules, a->rules.tolerance, &a->h2, e);
-    return code ? code : rad_h2_check(&a->h2, &a->rules, e);
-  }
+static enum rad_code assemble_dense(const struct rad_stage *from, const struct rad_adaptive *before,
+                                    struct rad_adaptive *a, struct rad_error *e) {
   int *origin = rad_alloc((size_t)a->layout.n_leaf, sizeof(int));
   if (!origin)
     return rad_fail_memory(e, "the mesh", 4.0 * a->layout.n_leaf);
@@ -122,7 +133,11 @@ static enum rad_code assemble(const struct rad_adaptive *before, const struct ra
     origin[i] = a->layout.leaf[i].origin;
   int same = before->dense.k && before->rules.tolerance == a->rules.tolerance;
   struct rad_reuse reuse = {same ? &before->dense : NULL, origin, a->layout.passive};
-  code = rad_dense_assemble(a->mesh, &a->rules, &reuse, &a->dense, e);
+  enum rad_code code = rad_dense_begin(a->mesh, &reuse, &a->dense, e);
+  if (!code && from)
+    code = from->read(from->context, &a->dense, NULL, e);
+  if (!code)
+    code = rad_dense_finish(&a->rules, &reuse, &a->dense, e);
   free(origin);
   return code;
 }
@@ -143,7 +158,8 @@ static enum rad_code solve_level(const struct rad_scene *scene, const struct rad
   if (!code)
     code = rad_rules_build(a->mesh, a->quadrature, &a->rules, e);
   if (!code)
-    code = assemble(before, &plan, a, e);
+    code = plan.matrix == RAD_MATRIX_HIERARCHICAL ? assemble_h2(stage_of(g, a), a, e)
+                                                  : assemble_dense(stage_of(g, a), before, a, e);
   a->seconds_assemble += rad_seconds() - start;
   if (!code)
     code = set_data(scene, a, e);
@@ -156,56 +172,6 @@ static enum rad_code solve_level(const struct rad_scene *scene, const struct rad
   struct rad_operator k = rad_adaptive_operator(a);
   rad_progress_phase(scene->progress, "level %d, solve", a->levels + 1);
   return rad_solve(&k, &o, scene->n_band, a->rho, a->emission, a->u, a->h, &a->report, e);
-}
-
-static double safety_of(const struct rad_scene *s) {
-  return s->visibility->n_partly > 0 ? SAFETY_SHADED : SAFETY;
-}
-
-/* Theory 6.4: quadrature of u*, interpolation in u*, and both of K d, each err by `quadrature`. */
-static void set_bound(struct rad_adaptive *a) {
-  double least = INFINITY;
-  for (int b = 0; b < a->layout.scene->n_band; b++)
-    if (a->indicator.scale[b] > 0)
-      least = fmin(least, a->indicator.scale[b]);
-  double residual = isinf(least) ? 0 : a->report.residual / least;
-  double rest = 3 * a->quadrature + a->h2.error + residual, norm = fmax(a->report.inverse_norm, 1);
-  double safety = safety_of(a->layout.scene);
-  double unseen = a->indicator.worst_unseen;
-  a->bound = (safety * (a->indicator.worst + unseen) + rest) * norm;
-  a->bound_limit = (safety * (a->indicator.limit + unseen) + rest) * norm;
-}
-
-/* z = (I - rho K)^{-1} g with the largest |rho K d| of each element as g: pointwise bound. */
-static enum rad_code set_element_bound(struct rad_adaptive *a, struct rad_error *e) {
-  size_t n = (size_t)a->mesh->n_point;
-  struct rad_operator k = rad_adaptive_operator(a);
-  double *right = rad_alloc(n, sizeof(double)), *z = rad_alloc(n, sizeof(double));
-  a->element_bound = rad_calloc((size_t)a->mesh->n_element, sizeof(double));
-  enum rad_code code = RAD_OK;
-  if (!right || !z || !a->element_bound)
-    code = rad_fail_memory(e, "the error bound", 16.0 * (double)n);
-  for (int b = 0; b < a->layout.scene->n_band && !code; b++) {
-    for (int i = 0; i < a->mesh->n_element; i++) {
-      const struct rad_element *el = &a->mesh->element[i];
-      double found = a->indicator.local[i] + a->indicator.unseen[rad_element_triangle(a->mesh, i)];
-      for (int f = 0; f < el->n_function; f++)
-        right[el->first + f] = safety_of(a->layout.scene) * found + 3 * a->quadrature + a->h2.error;
-    }
-    struct rad_linear system = {
-        .rho = a->rho + (size_t)b * n, .emission = right, .u = z, .tolerance = 1e-6};
-    code = rad_gmres(&k, 1, &system, e);
-    int is_known = code != RAD_ENUMERIC; /* else the bound of all elements is that of each */
-    code = is_known ? code : RAD_OK;
-    for (int i = 0; i < a->mesh->n_element && !code; i++) {
-      const struct rad_element *el = &a->mesh->element[i];
-      for (int f = 0; f < el->n_function; f++)
-        a->element_bound[i] = fmax(a->element_bound[i], is_known ? z[el->first + f] : a->bound);
-    }
-  }
-  free(right);
-  free(z);
-  return code;
 }
 
 /* Degrees to add in one direction, or a split: what reduces its tail by `factor` at less cost. */
@@ -234,7 +200,7 @@ static enum rad_code refine(const struct rad_goal *g, struct rad_adaptive *a, st
   if (!what)
     return rad_fail_memory(e, "the refinement", (double)l->n_leaf * sizeof *what);
   double share =
-      0.8 * g->tolerance / (safety_of(l->scene) * fmax(a->report.inverse_norm, 1) * x->spread);
+      0.8 * g->tolerance / (rad_safety(l->scene) * fmax(a->report.inverse_norm, 1) * x->spread);
   double over = OVERSHOOT * pow(1.15, a->levels);
   for (int i = 0; i < l->n_leaf; i++) {
     const struct rad_leaf *f = &l->leaf[i];
@@ -259,18 +225,18 @@ static enum rad_code refine(const struct rad_goal *g, struct rad_adaptive *a, st
 static enum rad_code estimate(const struct rad_goal *g, int whole, struct rad_adaptive *a,
                               struct rad_error *e) {
   double enough =
-      FAR_OFF * g->tolerance / (safety_of(a->layout.scene) * fmax(a->report.inverse_norm, 1));
+      FAR_OFF * g->tolerance / (rad_safety(a->layout.scene) * fmax(a->report.inverse_norm, 1));
   rad_indicator_free(&a->indicator);
   enum rad_code code =
       rad_indicate(a->mesh, &a->rules, a->layout.scene->visibility->sight, a->layout.passive, a->u,
                    whole ? INFINITY : enough, &a->indicator, e);
   if (!code)
-    set_bound(a);
+    rad_set_bound(a);
   return code;
 }
 
-/* One level: solve and estimate. The level before is freed at the end, or put back, with the
- * reason, if the new one runs out of memory or cannot be solved. */
+/* One level: solve and estimate. The level before is freed at the end, or put back if the new one
+ * is stopped, or, with the reason, if it runs out of memory or cannot be solved. */
 static enum rad_code level(const struct rad_scene *scene, const struct rad_goal *g,
                            struct rad_adaptive *a, struct rad_error *e) {
   struct rad_adaptive before = *a;
@@ -288,13 +254,16 @@ static enum rad_code level(const struct rad_scene *scene, const struct rad_goal 
     code = estimate(g, 0, a, e);
   a->seconds_estimate = rad_seconds() - start;
   a->levels++;
-  if ((code != RAD_ESYSTEM && code != RAD_ENUMERIC) || !before.mesh) {
+  int is_lost = code == RAD_ESYSTEM || code == RAD_ENUMERIC;
+  if ((!is_lost && code != RAD_ESTOPPED) || !before.mesh) {
     free_level(&before);
     return code;
   }
   free_level(a);
   before.layout = a->layout;
   *a = before;
+  if (!is_lost)
+    return code;
   snprintf(a->reason, sizeof a->reason, "%.250s", e->text);
   return RAD_OK;
 }
@@ -310,31 +279,67 @@ enum rad_code rad_adapt_estimate(const struct rad_scene *scene, const struct rad
   if (!code)
     code = estimate(g, 1, a, e);
   if (!code)
-    code = set_element_bound(a, e);
+    code = rad_set_element_bound(a, e);
   rad_rules_free(&a->rules);
   a->rules = kept;
   a->seconds_estimate = rad_seconds() - start;
   return code;
 }
 
-enum rad_code rad_adapt(const struct rad_scene *scene, const struct rad_goal *g,
-                        struct rad_adaptive *a, struct rad_error *e) {
-  *a = (struct rad_adaptive){.quadrature = quadrature_tolerance(g, 2.5)};
-  double start = rad_seconds(), began = start, least = INFINITY;
-  int stuck = 0;
+const struct rad_stage *rad_adaptive_stage(const struct rad_adaptive *a) {
+  for (int i = 1; i >= 0; i--)
+    if (a->last[i].matrix != RAD_MATRIX_AUTO)
+      return &a->last[i];
+  return NULL;
+}
+
+/* The layout of the first level, or of the one to go on from. */
+static enum rad_code begin(const struct rad_scene *scene, const struct rad_goal *g,
+                           struct rad_adaptive *a, struct rad_error *e) {
+  *a = (struct rad_adaptive){.quadrature = quadrature_tolerance(g, 2.5), .least = INFINITY};
   rad_progress_phase(scene->progress, "exponents");
   enum rad_code code =
       rad_layout_begin(scene, scene->visibility->sight, g->tolerance, &a->layout, e);
+  if (code || !g->from)
+    return code;
+  a->levels = g->from->levels;
+  a->stuck = g->from->stuck;
+  a->least = g->from->least;
+  a->quadrature = g->from->quadrature;
+  return rad_stage_restore(g->from, &a->layout, e);
+}
+
+/* A level, and the stage where it began. */
+static enum rad_code staged_level(const struct rad_scene *scene, const struct rad_goal *g,
+                                  struct rad_adaptive *a, struct rad_error *e) {
+  struct rad_stage now = {
+      .levels = a->levels, .stuck = a->stuck, .least = a->least, .quadrature = a->quadrature};
+  enum rad_code code = rad_stage_take(&a->layout, &now, e);
+  if (code)
+    return code;
+  rad_stage_free(&a->last[0]);
+  a->last[0] = a->last[1];
+  a->last[1] = now;
+  code = level(scene, g, a, e);
+  if (!code && !a->reason[0])
+    a->last[1].matrix = a->h2.mesh ? RAD_MATRIX_HIERARCHICAL : RAD_MATRIX_DENSE;
+  return code;
+}
+
+enum rad_code rad_adapt(const struct rad_scene *scene, const struct rad_goal *g,
+                        struct rad_adaptive *a, struct rad_error *e) {
+  double start = rad_seconds(), began = start;
+  enum rad_code code = begin(scene, g, a, e);
   while (!code) {
     began = rad_seconds();
-    if ((code = level(scene, g, a, e)))
+    if ((code = staged_level(scene, g, a, e)))
       break;
     if (a->reason[0] || a->bound <= g->tolerance)
       break;
     a->quadrature = fmin(a->quadrature, quadrature_tolerance(g, a->report.inverse_norm));
-    stuck = a->bound < 0.7 * least ? 0 : stuck + 1;
-    least = fmin(least, a->bound);
-    if (stuck == 6 || a->levels == MAX_LEVEL) {
+    a->stuck = a->bound < 0.7 * a->least ? 0 : a->stuck + 1;
+    a->least = fmin(a->least, a->bound);
+    if (a->stuck == 6 || a->levels == MAX_LEVEL) {
       snprintf(
           a->reason, sizeof a->reason,
           "refinement no longer lowers the bound: rounding or the inner tolerances are in the way");
@@ -346,5 +351,5 @@ enum rad_code rad_adapt(const struct rad_scene *scene, const struct rad_goal *g,
   a->seconds_before = began - start;
   if (!code && a->bound > FAR_OFF * g->tolerance) /* the last look was not a whole one */
     code = estimate(g, 1, a, e);
-  return code ? code : set_element_bound(a, e);
+  return code ? code : rad_set_element_bound(a, e);
 }

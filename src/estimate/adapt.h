@@ -3,16 +3,16 @@
 #define RAD_ESTIMATE_ADAPT_H
 
 #include "estimate/indicator.h"
-#include "estimate/layout.h"
-#include "system/plan.h"
+#include "estimate/stage.h"
 
 struct rad_goal {
   double tolerance; /* of max |u - u*| over max |u| */
   enum rad_solver solver;
   enum rad_matrix matrix;
-  double solver_tolerance;     /* 0: from tolerance */
-  double quadrature_tolerance; /* 0: from tolerance */
-  double memory;               /* bytes that may be used */
+  double solver_tolerance;      /* 0: from tolerance */
+  double quadrature_tolerance;  /* 0: from tolerance */
+  double memory;                /* bytes that may be used */
+  const struct rad_stage *from; /* where to go on, or NULL: from the beginning */
 };
 
 /* The last level of an adaptive run. */
@@ -30,7 +30,10 @@ struct rad_adaptive {
   double *element_bound; /* owned [n_element] z of (6.2), largest of the element, over max |u| */
   double quadrature;     /* tolerance of the matrix entries, and of compression */
   int levels;
-  double seconds_before; /* spent on levels before the last */
+  int stuck;                /* of them in a row that hardly lowered the bound */
+  double least;             /* bound of all levels */
+  struct rad_stage last[2]; /* owned: where the level before began, and the present one */
+  double seconds_before;    /* spent on levels before the last */
   double seconds_assemble, seconds_estimate;
   char reason[256]; /* why the tolerance was not reached; empty if it was */
 };
@@ -41,6 +44,11 @@ struct rad_adaptive {
  */
 enum rad_code rad_adapt(const struct rad_scene *scene, const struct rad_goal *goal,
                         struct rad_adaptive *a, struct rad_error *e);
+
+/* Where to go on after RAD_ESTOPPED, to the same bits: the last level that was done begins there,
+ * and `a` has its matrix. NULL: none was. */
+const struct rad_stage *rad_adaptive_stage(const struct rad_adaptive *a);
+
 /**
  * Indicator and bounds of a mesh made by hand and solved elsewhere: a->mesh, rules, dense or h2,
  * rho, emission, u, h and report are given, the rest is zero.

@@ -1,6 +1,7 @@
 #include "output/checkpoint.h"
 
 #include "output/operator_file.h"
+#include "output/stage_file.h"
 
 static struct rad_hdf_array array_of(const char *name, const char *unit, const char *description,
                                      enum rad_hdf_type type, hsize_t n, const void *data) {
@@ -54,10 +55,15 @@ enum rad_code rad_checkpoint_write(const char *path, const struct rad_origin *or
     rad_operator_write_dense(&h, root, c->dense);
   if (c->h2)
     rad_operator_write_h2(&h, root, c->h2);
+  struct rad_stage_arrays arrays = {0};
+  if (c->stage)
+    rad_stage_write(&h, root, c->stage, &arrays);
   if (c->iterate && c->iterate->n_system)
     write_iterate(&h, root, c->iterate, (size_t)origin->mesh->n_point);
   rad_hdf_group_close(&h, root);
-  return rad_hdf_end_large(&h, path, "checkpoint", e);
+  enum rad_code code = rad_hdf_end_large(&h, path, "checkpoint", e);
+  rad_stage_arrays_free(&arrays);
+  return code;
 }
 
 enum rad_code rad_checkpoint_look(const char *path, const struct rad_origin *origin,
@@ -70,6 +76,12 @@ enum rad_code rad_checkpoint_look(const char *path, const struct rad_origin *ori
   H5Gclose(root);
   H5Fclose(file);
   return RAD_OK;
+}
+
+static enum rad_code fail_to_fit(const char *path, struct rad_error *e) {
+  return rad_fail(e, RAD_ESYSTEM,
+                  "%.400s does not fit into this run, or into memory; begin without --restart",
+                  path);
 }
 
 enum rad_code rad_checkpoint_read(const char *path, const struct rad_origin *origin,
@@ -90,9 +102,21 @@ enum rad_code rad_checkpoint_read(const char *path, const struct rad_origin *ori
   H5Gclose(root);
   H5Fclose(file);
   rad_hdf_silence_end(&silence);
-  if (done)
-    return RAD_OK;
-  return rad_fail(e, RAD_ESYSTEM,
-                  "%.400s does not fit into this run, or into memory; begin without --restart",
-                  path);
+  return done ? RAD_OK : fail_to_fit(path, e);
+}
+
+enum rad_code rad_checkpoint_read_stage(const char *path, const struct rad_origin *origin,
+                                        struct rad_stage *stage, struct rad_error *e) {
+  hid_t file, root;
+  *stage = (struct rad_stage){0};
+  enum rad_code code = rad_origin_open(path, "checkpoint", origin, &file, &root, e);
+  if (code)
+    return code;
+  struct rad_hdf_silence silence;
+  rad_hdf_silence_begin(&silence);
+  bool done = !rad_hdf_has(root, "stage") || rad_stage_read(root, stage);
+  H5Gclose(root);
+  H5Fclose(file);
+  rad_hdf_silence_end(&silence);
+  return done ? RAD_OK : fail_to_fit(path, e);
 }

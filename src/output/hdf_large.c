@@ -108,7 +108,8 @@ enum rad_code rad_hdf_end_large(struct rad_hdf *h, const char *path, const char 
     code = rad_fail(e, RAD_ESYSTEM, "cannot write %s: %s; free some memory", path, h->cause);
   } else {
     struct source s = {h, kind};
-    qsort(h->piece, h->n_piece, sizeof *h->piece, by_place);
+    if (h->n_piece)
+      qsort(h->piece, h->n_piece, sizeof *h->piece, by_place);
     code = rad_save_by(path, fill, &s, e);
   }
   if (h->memory >= 0)

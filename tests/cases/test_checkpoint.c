@@ -217,6 +217,102 @@ START_TEST(half_done) {
 }
 END_TEST
 
+/* --- adaptive runs --- */
+
+static const struct problem adaptive_runs[] = {
+    {corner_scene, "accuracy: {tolerance: 1e-7}\n"},
+    {corner_scene, "accuracy: {tolerance: 1e-6}\nmethod: {matrix: hierarchical}\n"},
+    {shadow_scene, "accuracy: {tolerance: 5e-4}\n"},
+};
+enum { N_ADAPTIVE = sizeof adaptive_runs / sizeof *adaptive_runs };
+
+static struct deck_text *adaptive_deck(const struct problem *p) {
+  struct deck_text *d = malloc(sizeof *d);
+  deck_begin(d);
+  p->scene(d);
+  deck_add(d, "%s", p->method);
+  return d;
+}
+
+static void check_same_adaptive(const struct rad_case *a, const struct rad_case *b) {
+  const struct rad_adaptive *x = &a->adaptive, *y = &b->adaptive;
+  ck_assert_int_eq(x->levels, y->levels);
+  ck_assert_int_eq(a->mesh->n_element, b->mesh->n_element);
+  ck_assert_int_eq(a->mesh->n_point, b->mesh->n_point);
+  check_same(a, b);
+  CHECK_SAME(&x->bound, &y->bound, 1);
+  CHECK_SAME(&x->bound_limit, &y->bound_limit, 1);
+  CHECK_SAME(x->element_bound, y->element_bound, a->mesh->n_element);
+  check_counters(&a->dense.counters, &b->dense.counters);
+  check_counters(&a->h2.counters, &b->h2.counters);
+}
+
+/* Levels that the checkpoint at `path` saves. */
+static int levels_saved(const struct rad_case *c) {
+  const struct rad_origin origin = {.deck = &c->deck, .scene = &c->scene, .threads = 1};
+  struct rad_stage stage;
+  struct rad_error e;
+  ck_assert_msg(rad_checkpoint_read_stage(path, &origin, &stage, &e) == RAD_OK, "%s", e.text);
+  int levels = stage.levels;
+  rad_stage_free(&stage);
+  return levels;
+}
+
+/* Stopped at the very end: the last level is solved again with the matrix that is there. */
+START_TEST(adaptive_levels) {
+  struct rad_case a, b;
+  struct deck_text *d = adaptive_deck(&adaptive_runs[_i]);
+  begin_folder();
+  solve(d, NULL, &a);
+  ck_assert_int_ge(a.adaptive.levels, 2);
+  save(&a);
+  ck_assert_int_eq(levels_saved(&a), a.adaptive.levels - 1);
+  solve(d, path, &b);
+  check_same_adaptive(&a, &b);
+  rad_case_free(&b);
+  rad_case_free(&a);
+  free(d);
+  end_folder();
+}
+END_TEST
+
+static void check_stage_refused(const struct deck_text *d, struct rad_case *a) {
+  struct rad_case b;
+  struct rad_error e = {0};
+  save(a);
+  ck_assert_int_eq(deck_prepare(d, &b, &e), RAD_OK);
+  ck_assert_int_eq(rad_case_restart(&b, path, &e), RAD_OK);
+  ck_assert_int_eq(rad_case_solve(&b, &e), RAD_EINPUT);
+  ck_assert_msg(strstr(e.text, "the mesh in the checkpoint is not one of this scene"), "%s",
+                e.text);
+  rad_case_free(&b);
+}
+
+/* Leaves that do not cover their patches, or are no leaves. */
+START_TEST(stage_refused) {
+  struct rad_case a;
+  struct deck_text *d = adaptive_deck(&adaptive_runs[1]);
+  begin_folder();
+  solve(d, NULL, &a);
+  struct rad_stage *stage = &a.adaptive.last[1];
+  struct rad_leaf *leaf = &stage->leaf[stage->n_leaf / 2], good = *leaf;
+  leaf->phi[1] = 0.5 * (leaf->phi[0] + leaf->phi[1]);
+  check_stage_refused(d, &a);
+  *leaf = good;
+  leaf->k_r = RAD_MAX_POINTS_1D + 1;
+  check_stage_refused(d, &a);
+  *leaf = good;
+  leaf->patch = 1000;
+  check_stage_refused(d, &a);
+  *leaf = good;
+  stage->n_leaf--;
+  check_stage_refused(d, &a);
+  rad_case_free(&a);
+  free(d);
+  end_folder();
+}
+END_TEST
+
 /* --- parts --- */
 
 enum { MOST_PARTS = 5 };
@@ -374,6 +470,25 @@ static int run_in_pieces(const struct deck_text *d, double seconds) {
   return n;
 }
 
+/* The same for adaptive runs, which lose the level in which they are stopped. */
+START_TEST(adaptive_in_pieces) {
+  struct deck_text *d = adaptive_deck(&adaptive_runs[_i]);
+  begin_folder();
+  int n = run_in_pieces(d, 0.05);
+  struct rad_case a, b;
+  solve(d, NULL, &a);
+  solve(d, n ? path : NULL, &b);
+  if (getenv("POLYRAD_TEST_VERBOSE"))
+    printf("adaptive run %d: %d pieces, %d of %d levels saved\n", _i, n + 1,
+           n ? levels_saved(&a) : 0, a.adaptive.levels);
+  check_same_adaptive(&a, &b);
+  rad_case_free(&a);
+  rad_case_free(&b);
+  free(d);
+  end_folder();
+}
+END_TEST
+
 /* The last checkpoint of a run in many pieces leads to the same bits as one run. */
 START_TEST(in_pieces) {
   static const struct problem gap = {
@@ -509,16 +624,21 @@ END_TEST
 
 int main(void) {
   Suite *s = suite_create("checkpoint");
-  TCase *c = tcase_create("checkpoint");
+  TCase *c = tcase_create("checkpoint"), *a = tcase_create("adaptive");
   tcase_set_timeout(c, 300);
+  tcase_set_timeout(a, 300);
   tcase_add_loop_test(c, round_trip, 0, N_PROBLEM);
   tcase_add_loop_test(c, half_done, 0, N_PROBLEM);
   tcase_add_loop_test(c, in_pieces, 0, N_PROBLEM + 1);
+  tcase_add_loop_test(a, adaptive_levels, 0, N_ADAPTIVE);
+  tcase_add_test(a, stage_refused);
+  tcase_add_loop_test(a, adaptive_in_pieces, 0, N_ADAPTIVE);
   tcase_add_loop_test(c, in_parts, 0, sizeof part_runs / sizeof *part_runs);
   tcase_add_loop_test(c, parts_cover, 0, N_PROBLEM);
   tcase_add_test(c, parts_refused);
   tcase_add_test(c, damaged);
   tcase_add_test(c, foreign);
   suite_add_tcase(s, c);
+  suite_add_tcase(s, a);
   return run_suite(s);
 }

@@ -14,14 +14,16 @@
 #include "output/seal.h"
 #include "target.h"
 
-static const char deck_text[] =
+static const char scene_text[] =
     "scene:\n"
     "  triangles:\n"
     "    - {vertices: [[0,0,0],[1,0,0],[0,1,0]], side: front, rho: 0.5, emission: 1}\n"
-    "    - {vertices: [[0,0,0],[0,1,0],[0,0,1]], side: front, rho: 0.5, emission: 0}\n"
+    "    - {vertices: [[0,0,0],[0,1,0],[0,0,1]], side: front, rho: 0.5, emission: 0}\n";
+static const char by_hand_text[] =
     "method: {mesh: paper, elements: 1, quadrature_tolerance: 1e-4, solver: gmres, matrix: ";
+static const char adaptive_text[] = "accuracy: {tolerance: 1e-2}\nmethod: {matrix: ";
 
-enum { BEGUN, WHOLE, DENSE, N_BASE };
+enum { BEGUN, WHOLE, DENSE, ADAPTIVE, N_BASE };
 
 static struct {
   struct rad_case c[N_BASE];
@@ -68,7 +70,8 @@ static void make_base(int k) {
   struct rad_case *c = &base.c[k];
   struct rad_error e;
   char text[1024], file[] = "/tmp/polyrad_fuzz_XXXXXX";
-  snprintf(text, sizeof text, "%s%s}\n", deck_text, k == DENSE ? "dense" : "hierarchical");
+  snprintf(text, sizeof text, "%s%s%s}\n", scene_text, k == ADAPTIVE ? adaptive_text : by_hand_text,
+           k < DENSE ? "hierarchical" : "dense");
   REQUIRE(rad_case_prepare(fuzz_file(text, strlen(text)), 0, NULL, NULL, c, &e) == RAD_OK);
   REQUIRE(rad_case_solve(c, &e) == RAD_OK);
   if (k == BEGUN) {
@@ -113,6 +116,44 @@ static const char *change(int k, const uint8_t *bytes, size_t n) {
   return path;
 }
 
+static enum rad_code read_matrix(int k, const char *path, const struct rad_origin *origin,
+                                 struct rad_error *e) {
+  enum rad_matrix form;
+  struct rad_dense dense;
+  struct rad_h2 h2;
+  struct rad_iterate iterate = {0};
+  enum rad_code code = rad_checkpoint_look(path, origin, &form, e);
+  if (code)
+    return code;
+  begin(k, &dense, &h2);
+  const struct rad_checkpoint into = {
+      .dense = k == DENSE ? &dense : NULL, .h2 = k == DENSE ? NULL : &h2, .iterate = &iterate};
+  code = rad_checkpoint_read(path, origin, &into, e);
+  double n_point = origin->mesh->n_point; /* no file makes a matrix larger than a dense one */
+  REQUIRE((double)h2.n_far <= n_point * n_point);
+  rad_dense_free(&dense);
+  rad_h2_free(&h2);
+  rad_iterate_free(&iterate);
+  return code;
+}
+
+/* What is read is a mesh of the scene, or refused. */
+static enum rad_code read_stage(struct rad_case *c, const char *path,
+                                const struct rad_origin *origin, struct rad_error *e) {
+  struct rad_stage stage;
+  struct rad_mesh mesh;
+  enum rad_code code = rad_checkpoint_read_stage(path, origin, &stage, e);
+  if (!code && stage.leaf)
+    code = rad_stage_restore(&stage, &c->adaptive.layout, e);
+  rad_stage_free(&stage);
+  if (code)
+    return code;
+  code = rad_layout_mesh(&c->adaptive.layout, &mesh, e);
+  REQUIRE(code || mesh.n_element == c->adaptive.layout.n_leaf);
+  rad_mesh_free(&mesh);
+  return code;
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n) {
   omp_set_num_threads(1);
   for (int k = 0; k < N_BASE && !base.bytes[k]; k++)
@@ -122,27 +163,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n) {
   int k = (bytes[0] & 63) % N_BASE;
   struct rad_case *c = &base.c[k];
   const struct rad_origin origin = {
-      .deck = &c->deck, .scene = &c->scene, .mesh = c->mesh, .threads = 1};
-  enum rad_matrix form;
-  struct rad_dense dense;
-  struct rad_h2 h2;
-  struct rad_iterate iterate = {0};
+      .deck = &c->deck, .scene = &c->scene, .mesh = k == ADAPTIVE ? NULL : c->mesh, .threads = 1};
   struct rad_error e = {0};
   const char *path = change(k, bytes, n);
-  enum rad_code code = rad_checkpoint_look(path, &origin, &form, &e);
+  enum rad_code code =
+      k == ADAPTIVE ? read_stage(c, path, &origin, &e) : read_matrix(k, path, &origin, &e);
   fuzz_check_error(code, &e);
-  if (!code) {
-    begin(k, &dense, &h2);
-    const struct rad_checkpoint into = {k == DENSE ? &dense : NULL, k == DENSE ? NULL : &h2,
-                                        &iterate};
-    code = rad_checkpoint_read(path, &origin, &into, &e);
-    fuzz_check_error(code, &e);
-    double n_point = c->mesh->n_point; /* no file makes a matrix larger than a dense one */
-    REQUIRE((double)h2.n_far <= n_point * n_point);
-    rad_dense_free(&dense);
-    rad_h2_free(&h2);
-    rad_iterate_free(&iterate);
-  }
   REQUIRE(H5Fget_obj_count((hid_t)H5F_OBJ_ALL, H5F_OBJ_ALL) == 0);
   REQUIRE(!code || n > 1 || bytes[0] & 64); /* unchanged, it is read */
   return 0;
