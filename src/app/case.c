@@ -8,6 +8,7 @@
 #include "base/clock.h"
 #include "base/memory.h"
 #include "system/coarse.h"
+#include "system/local.h"
 
 /* |inverse| over 1/(1 - kappa), kappa known at the collocation points only: with Gauss points it
  * was never above 1.01 (docs/stability.md). */
@@ -74,7 +75,7 @@ static void plan(struct rad_case *c) {
   p->system = rad_plan_dense(c->deck.method.solver, n, nb);
   p->rest_bytes = mesh + picture;
   if (p->system.solver == RAD_SOLVER_GMRES && is_bright(&c->scene))
-    p->rest_bytes += 0.5 * rad_coarse_bytes(n, nb);
+    p->rest_bytes += 0.5 * (rad_coarse_bytes(n, nb) + rad_local_bytes(n, nb));
   p->base_bytes = rad_memory_resident();
   p->bytes = p->system.bytes + p->rest_bytes;
   p->available = fmax(rad_memory_available() - rad_memory_reserved(omp_get_max_threads()), 0);

@@ -88,27 +88,26 @@ void rad_coarse_free(struct rad_coarse *c) {
   *c = (struct rad_coarse){0};
 }
 
-void rad_coarse_apply(const struct rad_coarse *c, const double *rho, const double *v, double *work,
-                      double *z) {
+void rad_coarse_solve(const struct rad_coarse *c, const double *rho, const double *r, double *x) {
   const struct rad_aggregates *a = &c->aggregates;
   const struct rad_coarse_factor *f = c->factor;
   size_t n = (size_t)a->n;
-  double *mean = work, *solved = work + n;
   while (f->rho != rho)
     f++;
   for (size_t g = 0; g < n; g++) {
-    mean[g] = 0;
-    for (int i = a->first[g]; i < a->first[g + 1]; i++)
-      mean[g] += a->weight[i] * v[c->tree->unknown[i]];
+    x[g] = 0;
+    for (int i = a->first[g]; i < a->first[g + 1] && f->lu; i++)
+      x[g] += a->weight[i] * r[c->tree->unknown[i]];
   }
-  memcpy(solved, mean, sizeof(double) * n);
   if (f->lu)
-    LAPACKE_dgetrs(LAPACK_COL_MAJOR, 'N', (int)n, 1, f->lu, (int)n, f->pivot, solved, (int)n);
-  for (size_t g = 0; g < n; g++)
-    for (int i = a->first[g]; i < a->first[g + 1]; i++) {
-      int unknown = c->tree->unknown[i];
-      z[unknown] = v[unknown] + (solved[g] - mean[g]);
-    }
+    LAPACKE_dgetrs(LAPACK_COL_MAJOR, 'N', (int)n, 1, f->lu, (int)n, f->pivot, x, (int)n);
+}
+
+void rad_coarse_spread(const struct rad_coarse *c, const double *x, double *z) {
+  const struct rad_aggregates *a = &c->aggregates;
+  for (int g = 0; g < a->n; g++)
+    for (int i = a->first[g]; i < a->first[g + 1]; i++)
+      z[c->tree->unknown[i]] = x[g];
 }
 
 /* Columns of one aggregate summed, then means of the rows of each. */

@@ -38,10 +38,10 @@ enum rad_code rad_coarse_build(const struct rad_operator *k, int n_system, const
                                struct rad_coarse *c, struct rad_error *e);
 void rad_coarse_free(struct rad_coarse *c); /* safe twice */
 
-/* z = M v = v + P (A_c^{-1} - I) R v for the system with that rho; [n], z and v may be the same.
- * Serial; by several threads at once for different vectors. work: [2 n_aggregate]. */
-void rad_coarse_apply(const struct rad_coarse *c, const double *rho, const double *v, double *work,
-                      double *z);
+/* x = A_c^{-1} R r for the system with that rho, x [n_aggregate], or 0 where A_c is singular;
+ * z = P x. Serial; by several threads at once for different vectors. */
+void rad_coarse_solve(const struct rad_coarse *c, const double *rho, const double *r, double *x);
+void rad_coarse_spread(const struct rad_coarse *c, const double *x, double *z);
 
 /* Bytes of the coarse problem of a mesh, if it comes to that. */
 double rad_coarse_bytes(double n, int n_band);

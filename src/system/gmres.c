@@ -5,9 +5,19 @@
 #include "base/memory.h"
 #include "base/stop.h"
 #include "system/coarse.h"
+#include "system/local.h"
 #include "system/solve.h"
 
 enum { RESTART = 40, LONGEST = 320, MAX_STEPS = 4000 };
+
+/* A relative residual that longer cycles do not lower. */
+#define ROUNDING 1e-11
+
+/* M of (5.7), for all systems, once one of them is slow. */
+struct preconditioner {
+  struct rad_coarse coarse;
+  struct rad_local local;
+};
 
 /* The state of one system. It asks for one product K `next` at a time; `product` receives it. */
 struct krylov {
@@ -19,9 +29,11 @@ struct krylov {
   double before;              /* residual that the present cycle began with */
   double *basis[LONGEST + 1]; /* owned [n] each, as they are needed */
   double *product;            /* owned [n] */
-  double *aim, *means;        /* owned [n] M v of the last column v, scratch of M; NULL without M */
   const double *next;
-  const struct rad_coarse *coarse; /* M, once a system is slow */
+  const struct preconditioner *m; /* NULL: none */
+  int is_second;                  /* the second product of a step is due: of the coarse part */
+  double *aim;                    /* owned [n] B v, then P x of the last column v */
+  double *x[LONGEST];             /* owned [aggregates] coarse part of M v, for each column v */
   enum rad_code code;
   struct rad_error error;         /* of this system */
   double h[LONGEST + 1][LONGEST]; /* Hessenberg, then triangular */
@@ -47,13 +59,10 @@ static double dot(int n, const double *x, const double *y) {
   return sum;
 }
 
-/* v_{j+1} from A z = z - rho K z, z = M v_j or v_j, by modified Gram-Schmidt; column j of H. */
+/* v_{j+1} from A M v_j, which is in its place, by modified Gram-Schmidt; column j of H. */
 static void arnoldi(struct krylov *s, int j) {
   size_t n = (size_t)s->n;
-  const double *v = s->next;
   double *next = s->basis[j + 1];
-  for (size_t i = 0; i < n; i++)
-    next[i] = v[i] - s->system->rho[i] * s->product[i];
   for (int m = 0; m <= j; m++) {
     const double *vm = s->basis[m];
     double h = s->h[m][j] = dot(s->n, next, vm);
@@ -103,6 +112,10 @@ static int is_small(struct krylov *s, int m, double left) {
   return most <= target;
 }
 
+static int is_preconditioned(const struct krylov *s) {
+  return s->is_slow && s->m;
+}
+
 /* u += M V y, H y = g, for the first m columns. */
 static void update(struct krylov *s, int m) {
   double y[LONGEST], *change = s->product;
@@ -116,8 +129,20 @@ static void update(struct krylov *s, int m) {
   for (int j = 0; j < m; j++)
     for (int i = 0; i < s->n; i++)
       change[i] += y[j] * s->basis[j][i];
-  if (s->is_slow && s->coarse)
-    rad_coarse_apply(s->coarse, s->system->rho, change, s->means, change);
+  if (is_preconditioned(s)) {
+    double *x = s->x[0];
+    int n = s->m->coarse.aggregates.n;
+    for (int i = 0; i < n; i++)
+      x[i] *= y[0];
+    for (int j = 1; j < m; j++)
+      for (int i = 0; i < n; i++)
+        x[i] += y[j] * s->x[j][i];
+    for (int g = 0; g < s->m->local.groups.n; g++)
+      rad_local_apply(&s->m->local, s->system->rho, g, change, s->aim);
+    rad_coarse_spread(&s->m->coarse, x, change);
+    for (int i = 0; i < s->n; i++)
+      change[i] += s->aim[i];
+  }
   for (int i = 0; i < s->n; i++)
     s->system->u[i] += change[i];
 }
@@ -138,7 +163,7 @@ static enum rad_code begin_cycle(struct krylov *s, struct rad_error *e) {
   s->done = left <= s->target;
   if (s->done)
     return RAD_OK;
-  int is_stuck = left > 0.9 * s->before && l->steps > RESTART;
+  int is_stuck = left > 0.9 * s->before && (s->length == LONGEST || left < ROUNDING * s->scale);
   if (!isfinite(left) || l->steps >= MAX_STEPS || is_stuck)
     return rad_fail(
         e, RAD_ENUMERIC,
@@ -160,9 +185,32 @@ static enum rad_code begin_cycle(struct krylov *s, struct rad_error *e) {
 }
 
 static enum rad_code add_column(struct krylov *s, int j, struct rad_error *e) {
+  int coarse = is_preconditioned(s) ? s->m->coarse.aggregates.n : 0;
   if (!s->basis[j])
     s->basis[j] = rad_alloc((size_t)s->n, sizeof(double));
-  return s->basis[j] ? RAD_OK : rad_fail_memory(e, "GMRES", 8.0 * s->n);
+  if (coarse && j && !s->x[j - 1])
+    s->x[j - 1] = rad_alloc((size_t)coarse, sizeof(double));
+  return s->basis[j] && (!coarse || !j || s->x[j - 1]) ? RAD_OK
+                                                       : rad_fail_memory(e, "GMRES", 8.0 * s->n);
+}
+
+/* A M v = A B v + A P x of the last column v, x = A_c^(-1) R (v - A B v): of each product in turn.
+ * Returns 1 if the second one is due. */
+static int use_product(struct krylov *s) {
+  size_t n = (size_t)s->n;
+  const double *rho = s->system->rho, *v = s->basis[s->step], *z = s->next;
+  double *sum = s->basis[s->step + 1], *rest = s->product;
+  for (size_t i = 0; i < n; i++)
+    sum[i] = (s->is_second ? sum[i] : 0) + (z[i] - rho[i] * s->product[i]);
+  s->is_second = is_preconditioned(s) && !s->is_second;
+  if (!s->is_second)
+    return 0;
+  for (size_t i = 0; i < n; i++)
+    rest[i] = v[i] - sum[i];
+  rad_coarse_solve(&s->m->coarse, rho, rest, s->x[s->step]);
+  rad_coarse_spread(&s->m->coarse, s->x[s->step], s->aim);
+  s->next = s->aim;
+  return 1;
 }
 
 /* Use the product that was asked for. */
@@ -170,7 +218,7 @@ static enum rad_code advance(struct krylov *s, struct rad_error *e) {
   if (s->step < 0)
     return begin_cycle(s, e);
   enum rad_code code = add_column(s, s->step + 1, e);
-  if (code)
+  if (code || use_product(s))
     return code;
   arnoldi(s, s->step);
   double left = rotate(s, s->step);
@@ -188,7 +236,7 @@ static enum rad_code advance(struct krylov *s, struct rad_error *e) {
 
 /* The preconditioner, for all systems that are not done, once one of them is slow. */
 static enum rad_code precondition(const struct rad_operator *k, int n_system, struct krylov *s,
-                                  struct rad_coarse *coarse, struct rad_error *e) {
+                                  struct preconditioner *m, struct rad_error *e) {
   const double *rho[2 * RAD_MAX_BAND];
   int n = 0, is_slow = 0;
   for (int i = 0; i < n_system; i++) {
@@ -196,26 +244,35 @@ static enum rad_code precondition(const struct rad_operator *k, int n_system, st
     if (!s[i].done)
       rho[n++] = s[i].system->rho;
   }
-  if (!is_slow || coarse->tree)
+  if (!is_slow || m->coarse.tree)
     return RAD_OK;
-  enum rad_code code = rad_coarse_build(k, n, rho, coarse, e);
-  for (int i = 0; i < n_system && !code && coarse->aggregates.n; i++)
+  enum rad_code code = rad_coarse_build(k, n, rho, &m->coarse, e);
+  if (code || !m->coarse.aggregates.n)
+    return code;
+  code = rad_local_build(k, m->coarse.tree, n, rho, &m->local, e);
+  for (int i = 0; i < n_system && !code; i++)
     if (!s[i].done) {
-      s[i].coarse = coarse;
+      s[i].m = m;
       s[i].aim = rad_alloc((size_t)k->n, sizeof(double));
-      s[i].means = rad_alloc(2 * (size_t)coarse->aggregates.n, sizeof(double));
-      if (!s[i].aim || !s[i].means)
+      if (!s[i].aim)
         code = rad_fail_memory(e, "the preconditioner", 8.0 * k->n);
     }
   return code;
 }
 
-/* What a column is multiplied as: M v. */
-static void aim(struct krylov *s) {
-  if (s->done || s->step < 0 || !s->is_slow || !s->coarse)
-    return;
-  rad_coarse_apply(s->coarse, s->system->rho, s->next, s->means, s->aim);
-  s->next = s->aim;
+/* B v of the last column v is what is multiplied first. */
+static void aim_all(int n_system, struct krylov *s, const struct rad_local *local) {
+  struct krylov *aims[2 * RAD_MAX_BAND];
+  int n = 0, n_group = local->groups.n;
+  for (int i = 0; i < n_system; i++)
+    if (!s[i].done && s[i].step >= 0 && is_preconditioned(&s[i]) && !s[i].is_second)
+      aims[n++] = &s[i];
+#pragma omp parallel for schedule(static) collapse(2) default(none) shared(n, n_group, aims, local)
+  for (int i = 0; i < n; i++)
+    for (int g = 0; g < n_group; g++)
+      rad_local_apply(local, aims[i]->system->rho, g, aims[i]->basis[aims[i]->step], aims[i]->aim);
+  for (int i = 0; i < n; i++)
+    aims[i]->next = aims[i]->aim;
 }
 
 static enum rad_code start(struct krylov *s, int n, struct rad_linear *l, struct rad_error *e) {
@@ -258,12 +315,6 @@ static int multiply(const struct rad_operator *k, int n_system, struct krylov *s
   return total;
 }
 
-static void aim_all(int n_system, struct krylov *s) {
-#pragma omp parallel for schedule(dynamic) default(none) shared(n_system, s)
-  for (int i = 0; i < n_system; i++)
-    aim(&s[i]);
-}
-
 /* Every system uses its product, each on one thread. */
 static enum rad_code advance_all(int n_system, struct krylov *s, struct rad_error *e) {
 #pragma omp parallel for schedule(dynamic) default(none) shared(n_system, s)
@@ -281,7 +332,7 @@ static enum rad_code advance_all(int n_system, struct krylov *s, struct rad_erro
 enum rad_code rad_gmres(const struct rad_operator *k, int n_system, struct rad_linear *system,
                         struct rad_error *e) {
   struct krylov *s = rad_calloc((size_t)n_system, sizeof *s);
-  struct rad_coarse coarse = {0};
+  struct preconditioner m = {0};
   if (!s)
     return rad_fail_memory(e, "GMRES", (double)n_system * sizeof *s);
   enum rad_code code = RAD_OK;
@@ -294,19 +345,21 @@ enum rad_code rad_gmres(const struct rad_operator *k, int n_system, struct rad_l
     if (!code && rad_stop_asked())
       code = rad_fail_stopped(e);
     if (!code)
-      code = precondition(k, n_system, s, &coarse, e);
+      code = precondition(k, n_system, s, &m, e);
     if (!code)
-      aim_all(n_system, s);
+      aim_all(n_system, s, &m.local);
   }
   for (int i = 0; i < n_system && code == RAD_ESTOPPED; i++)
     step_back(&s[i]);
-  rad_coarse_free(&coarse);
+  rad_coarse_free(&m.coarse);
+  rad_local_free(&m.local);
   for (int i = 0; i < n_system; i++) {
     for (int j = 0; j <= LONGEST; j++)
       free(s[i].basis[j]);
+    for (int j = 0; j < LONGEST; j++)
+      free(s[i].x[j]);
     free(s[i].product);
     free(s[i].aim);
-    free(s[i].means);
   }
   free(s);
   return code;
