@@ -39,6 +39,7 @@ struct rad_case {
   const char *const *part;      /* borrowed [n_part] */
   struct rad_iterate iterate;   /* where the solver goes on, or would */
   int is_adaptive;              /* no mesh was asked for by hand: the tolerance decides */
+  int is_restored;              /* what the checkpoint `restart` had of a mesh by hand is here */
   int wants_bound, has_bound;   /* the error is estimated and bounded, and u* is reported */
   double tolerance;             /* of max |u - u*| over max |u| */
   struct rad_adaptive adaptive; /* its layout, indicator and bound; the rest moves to this struct */

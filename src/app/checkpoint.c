@@ -1,5 +1,7 @@
 #include "app/checkpoint.h"
 
+#include <errno.h>
+#include <fcntl.h>
 #include <math.h>
 #include <omp.h>
 #include <string.h>
@@ -9,6 +11,7 @@
 #include "base/stop.h"
 #include "output/checkpoint.h"
 #include "output/part_file.h"
+#include "output/save.h"
 
 static struct rad_origin origin_of(const struct rad_case *c, const char *command, double started) {
   return (struct rad_origin){.deck = &c->deck,
@@ -87,7 +90,9 @@ enum rad_code rad_case_restore(struct rad_case *c, struct rad_error *e) {
   if (!c->restart)
     return rad_parts_read(c->n_part, c->part, &origin, &m, e);
   const struct rad_checkpoint into = matrix_and_iterate(c);
-  return rad_checkpoint_read(c->restart, &origin, &into, e);
+  enum rad_code code = rad_checkpoint_read(c->restart, &origin, &into, e);
+  c->is_restored = !code;
+  return code;
 }
 
 static enum rad_code read_stage_matrix(void *context, struct rad_dense *dense, struct rad_h2 *h2,
@@ -117,6 +122,32 @@ const char *rad_restart_find(const struct rad_command *command) {
   return NULL;
 }
 
+/* True if a run has at least what the checkpoint had from which it goes on. */
+static int is_ahead(const struct rad_case *c) {
+  return c->is_adaptive ? rad_adaptive_stage(&c->adaptive) != NULL : c->is_restored;
+}
+
+static int copy_file(int to, void *path) {
+  char bytes[1 << 16];
+  int from = open(path, O_RDONLY), error = from < 0 ? errno : 0;
+  for (ssize_t n = 1; !error && n > 0;) {
+    n = read(from, bytes, sizeof bytes);
+    error = n < 0 ? errno : rad_write_all(to, bytes, (size_t)n);
+  }
+  if (from >= 0)
+    close(from);
+  return error;
+}
+
+enum rad_code rad_case_keep(struct rad_case *c, const struct rad_command *command, double started,
+                            int *is_old, struct rad_error *e) {
+  const char *old = command->restart, *path = command->checkpoint;
+  *is_old = old && access(old, F_OK) == 0 && !is_ahead(c);
+  if (!*is_old)
+    return rad_case_save(c, path, command->line, started, e);
+  return strcmp(old, path) ? rad_save_by(path, copy_file, (void *)old, e) : RAD_OK;
+}
+
 enum rad_code rad_case_stopped(struct rad_case *c, const struct rad_command *command,
                                double started, struct rad_error *e) {
   const char *path = command->checkpoint;
@@ -126,13 +157,14 @@ enum rad_code rad_case_stopped(struct rad_case *c, const struct rad_command *com
                     "stopped by %s; nothing is written: with --checkpoint FILE the work would have "
                     "been kept",
                     rad_stop_name());
-  enum rad_code code = rad_case_save(c, path, command->line, started, e);
+  int is_old, again = command->restart && !strcmp(path, command->restart);
+  enum rad_code code = rad_case_keep(c, command, started, &is_old, e);
   if (code)
     return code;
-  int again = command->restart && !strcmp(path, command->restart);
   return rad_fail(e, RAD_ECHECKPOINT,
-                  "stopped by %s; checkpoint written to %.400s (%.3g MB): to go on, give the same "
+                  "stopped by %s; checkpoint %s %.400s (%.3g MB): to go on, give the same "
                   "command again%s%.400s",
-                  rad_stop_name(), path, stat(path, &is) ? NAN : (double)is.st_size / 1e6,
-                  again ? "" : " with --restart ", again ? "" : path);
+                  rad_stop_name(), is_old && again ? "stays as it was in" : "written to", path,
+                  stat(path, &is) ? NAN : (double)is.st_size / 1e6, again ? "" : " with --restart ",
+                  again ? "" : path);
 }

@@ -46,6 +46,15 @@ enum rad_code rad_case_stage(struct rad_case *c, struct rad_stage *stage, struct
  * written, is none: it is the first time that this command runs. */
 const char *rad_restart_find(const struct rad_command *command);
 
+/**
+ * Write the checkpoint of a command, but never less than what the run went on from: stopped before
+ * it had that again, the old file stays, or is copied.
+ *
+ * @param[out] is_old  1: it is the old one
+ */
+enum rad_code rad_case_keep(struct rad_case *c, const struct rad_command *command, double started,
+                            int *is_old, struct rad_error *e);
+
 /* After RAD_ESTOPPED: keep what was done, if a checkpoint is asked for.
  *
  * @return RAD_ECHECKPOINT when it is written, RAD_ESTOPPED if none is asked for

@@ -262,6 +262,7 @@ static enum rad_code level(const struct rad_scene *scene, const struct rad_goal 
   free_level(a);
   before.layout = a->layout;
   *a = before;
+  a->quadrature = a->rules.tolerance; /* that of its matrix, not of the one that was tried */
   if (!is_lost)
     return code;
   snprintf(a->reason, sizeof a->reason, "%.250s", e->text);

@@ -276,6 +276,62 @@ START_TEST(adaptive_levels) {
 }
 END_TEST
 
+static size_t file_bytes(const char *name, char **bytes) {
+  FILE *f = fopen(name, "rb");
+  ck_assert_ptr_nonnull(f);
+  fseek(f, 0, SEEK_END);
+  size_t n = (size_t)ftell(f);
+  rewind(f);
+  *bytes = malloc(n);
+  ck_assert_uint_eq(fread(*bytes, 1, n, f), n);
+  fclose(f);
+  return n;
+}
+
+static void check_equal_files(const char *name, size_t n, const char *bytes) {
+  char *now;
+  ck_assert_uint_eq(file_bytes(name, &now), n);
+  ck_assert_int_eq(memcmp(now, bytes, n), 0);
+  free(now);
+}
+
+/* Stopped before it has what its checkpoint had, a run keeps that, in the same or another file. */
+START_TEST(nothing_is_lost) {
+  struct deck_text *d = _i ? adaptive_deck(&adaptive_runs[1]) : deck_of(&problems[0]);
+  struct rad_case a, b;
+  struct rad_error e;
+  char other[80], *bytes;
+  int is_old;
+  begin_folder();
+  snprintf(other, sizeof other, "%s/other.ck", folder);
+  solve(d, NULL, &a);
+  save(&a);
+  size_t n = file_bytes(path, &bytes);
+  struct rad_command command = {.checkpoint = path, .restart = path, .line = "test"};
+  ck_assert_int_eq(deck_prepare(d, &b, &e), RAD_OK);
+  ck_assert_int_eq(rad_case_restart(&b, path, &e), RAD_OK);
+  ck_assert_int_eq(rad_case_keep(&b, &command, 0, &is_old, &e), RAD_OK);
+  ck_assert(is_old);
+  check_equal_files(path, n, bytes);
+  command.checkpoint = other;
+  ck_assert_int_eq(rad_case_keep(&b, &command, 0, &is_old, &e), RAD_OK);
+  ck_assert(is_old);
+  check_equal_files(other, n, bytes);
+  ck_assert_int_eq(rad_case_solve(&b, &e), RAD_OK);
+  ck_assert_int_eq(rad_case_keep(&b, &command, 0, &is_old, &e), RAD_OK);
+  ck_assert(!is_old); /* now it has all of it */
+  rad_case_free(&b);
+  solve(d, other, &b);
+  check_same(&a, &b);
+  ck_assert_int_eq(unlink(other), 0);
+  rad_case_free(&a);
+  rad_case_free(&b);
+  free(bytes);
+  free(d);
+  end_folder();
+}
+END_TEST
+
 static void check_stage_refused(const struct deck_text *d, struct rad_case *a) {
   struct rad_case b;
   struct rad_error e = {0};
@@ -631,6 +687,7 @@ int main(void) {
   tcase_add_loop_test(c, half_done, 0, N_PROBLEM);
   tcase_add_loop_test(c, in_pieces, 0, N_PROBLEM + 1);
   tcase_add_loop_test(a, adaptive_levels, 0, N_ADAPTIVE);
+  tcase_add_loop_test(a, nothing_is_lost, 0, 2);
   tcase_add_test(a, stage_refused);
   tcase_add_loop_test(a, adaptive_in_pieces, 0, N_ADAPTIVE);
   tcase_add_loop_test(c, in_parts, 0, sizeof part_runs / sizeof *part_runs);
