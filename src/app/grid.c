@@ -6,6 +6,7 @@
 #include "base/memory.h"
 
 const char *const rad_grid_name[] = {"closed", "crowded"};
+const char *const rad_values_name[] = {"", ", solution", ", reported"};
 
 static int side_of(enum rad_grid grid) {
   return grid == RAD_GRID_CLOSED ? RAD_GRID : RAD_CROWD;
@@ -86,9 +87,9 @@ static enum rad_code evaluate_star(const struct rad_case *c, enum rad_grid grid,
   return code;
 }
 
-enum rad_code rad_grid_evaluate(const struct rad_case *c, enum rad_grid grid, double *value,
-                                struct rad_error *e) {
-  if (c->is_adaptive)
+enum rad_code rad_grid_evaluate(const struct rad_case *c, enum rad_grid grid, int star,
+                                double *value, struct rad_error *e) {
+  if (star)
     return evaluate_star(c, grid, value, e);
   evaluate_uh(c, grid, value);
   return RAD_OK;

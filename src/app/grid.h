@@ -13,6 +13,9 @@ enum { RAD_GRID = 100, RAD_CROWD = 24 };
 enum rad_grid { RAD_GRID_CLOSED, RAD_GRID_CROWDED };
 extern const char *const rad_grid_name[];
 
+/* Of study.values, as an end of the grid's name in the file of a task; none for auto. */
+extern const char *const rad_values_name[];
+
 /* Number of values: triangles x 6 sub-triangles x points x bands. */
 size_t rad_grid_size(const struct rad_scene *scene, enum rad_grid grid);
 
@@ -20,8 +23,8 @@ size_t rad_grid_size(const struct rad_scene *scene, enum rad_grid grid);
 size_t rad_grid_points(enum rad_grid grid, int n_triangle);
 
 /* The solution of a case on the grid, in the polar (phi, r) of every sub-triangle. */
-enum rad_code rad_grid_evaluate(const struct rad_case *c, enum rad_grid grid, double *value,
-                                struct rad_error *e);
+enum rad_code rad_grid_evaluate(const struct rad_case *c, enum rad_grid grid, int star,
+                                double *value, struct rad_error *e);
 
 /* How far two solutions on the grid are apart, the worst band. */
 struct rad_difference {

@@ -313,8 +313,7 @@ enum rad_code rad_app_run(const struct rad_command *command, struct rad_error *e
   }
   if (!code && command->within)
     code = rad_study_take(&c, command->within->grid, rad_stamp_now() - started,
-                          c.deck.study.stability &&
-                              command->within->task.number <= command->within->task.n_row,
+                          command->within->task.number > command->within->task.n_row,
                           &command->within->task.run, e);
   if (!code) {
     warn(&c, command->log);

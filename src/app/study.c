@@ -27,8 +27,11 @@ static enum rad_code take_norms(const struct rad_case *c, struct rad_task_run *r
 }
 
 /* The solution where runs are compared, and the triangles' areas. */
-static enum rad_code take_values(const struct rad_case *c, enum rad_grid grid,
+static enum rad_code take_values(const struct rad_case *c, enum rad_grid grid, int is_reference,
                                  struct rad_task_run *run, struct rad_error *e) {
+  enum rad_study_values values = c->deck.study.values;
+  int star =
+      values == RAD_VALUES_AUTO ? c->is_adaptive : is_reference || values == RAD_VALUES_REPORTED;
   run->n_area = (size_t)c->scene.n_triangle;
   run->n_value = rad_grid_size(&c->scene, grid);
   run->area = rad_alloc(run->n_area, sizeof(double));
@@ -37,11 +40,11 @@ static enum rad_code take_values(const struct rad_case *c, enum rad_grid grid,
     return rad_fail_memory(e, "the comparison grid", 8.0 * (double)run->n_value);
   for (int t = 0; t < c->scene.n_triangle; t++)
     run->area[t] = c->scene.triangle[t].area;
-  return rad_grid_evaluate(c, grid, run->value, e);
+  return rad_grid_evaluate(c, grid, star, run->value, e);
 }
 
-enum rad_code rad_study_take(const struct rad_case *c, enum rad_grid grid, double seconds,
-                             int norms, struct rad_task_run *run, struct rad_error *e) {
+/* All but the solution and norms. */
+static void take_numbers(const struct rad_case *c, double seconds, struct rad_task_run *run) {
   /* a bound on a mesh by hand is no part of the solution */
   run->seconds_total = seconds - (c->is_adaptive ? 0 : c->seconds_estimate);
   run->unknowns = c->mesh->n_point;
@@ -56,8 +59,13 @@ enum rad_code rad_study_take(const struct rad_case *c, enum rad_grid grid, doubl
   run->seconds_assemble = c->seconds_assemble;
   run->seconds_factor = c->report.seconds_factor;
   run->seconds_solve = c->report.seconds_solve;
-  enum rad_code code = take_values(c, grid, run, e);
-  if (!code && norms)
+}
+
+enum rad_code rad_study_take(const struct rad_case *c, enum rad_grid grid, double seconds,
+                             int is_reference, struct rad_task_run *run, struct rad_error *e) {
+  take_numbers(c, seconds, run);
+  enum rad_code code = take_values(c, grid, is_reference, run, e);
+  if (!code && c->deck.study.stability && !is_reference)
     code = take_norms(c, run, e);
   if (code)
     rad_task_run_free(run);
@@ -81,8 +89,9 @@ static void warn(const struct rad_study_plan *p, int i, const struct rad_case *c
   rad_notes_free(&notes);
 }
 
-static enum rad_code run_row(const struct rad_study_plan *p, int i, struct rad_task_run *run,
-                             struct rad_error *e) {
+/* Once more for the times, if it is not the first time. */
+static enum rad_code run_row(const struct rad_study_plan *p, int i, int is_first,
+                             struct rad_task_run *run, struct rad_error *e) {
   struct rad_study_set s;
   struct rad_case c = {0};
   double start = rad_seconds();
@@ -90,18 +99,50 @@ static enum rad_code run_row(const struct rad_study_plan *p, int i, struct rad_t
   if (!code)
     code = rad_case_prepare(p->deck.path, s.n, s.set, p->progress, &c, e);
   rad_progress_clear(p->progress);
-  for (int n = 0; n < c.notes.n && i == 0; n++)
+  for (int n = 0; n < c.notes.n && i == 0 && is_first; n++)
     fprintf(p->command->log, "%s\n", c.notes.text[n]);
   c.wants_bound = c.is_adaptive;
   if (!code)
     code = rad_case_solve(&c, e);
-  if (!code)
-    code = rad_study_take(&c, p->grid, rad_seconds() - start,
-                          p->deck.study.stability && i < p->n_row, run, e);
-  if (!code)
+  double seconds = rad_seconds() - start;
+  if (!code && is_first)
+    code = rad_study_take(&c, p->grid, seconds, i >= p->n_row, run, e);
+  else if (!code)
+    take_numbers(&c, seconds, run);
+  if (!code && is_first)
     warn(p, i, &c);
   rad_case_free(&c);
   free(s.text);
+  return code;
+}
+
+static int by_size(const void *a, const void *b) {
+  double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+/* The middle of n times. */
+static double median(int n, double *seconds) {
+  qsort(seconds, (size_t)n, sizeof *seconds, by_size);
+  return 0.5 * (seconds[(n - 1) / 2] + seconds[n / 2]);
+}
+
+/* Row i as often as asked for, a reference once: the times are medians, all else is the same every
+ * time. */
+static enum rad_code repeat_row(const struct rad_study_plan *p, int i, struct rad_task_run *run,
+                                struct rad_error *e) {
+  enum { N_TIME = 4, MOST = 99 };
+  double seconds[N_TIME][MOST], *time[N_TIME] = {&run->seconds_assemble, &run->seconds_factor,
+                                                 &run->seconds_solve, &run->seconds_total};
+  int n = i < p->n_row ? p->deck.study.repeats : 1;
+  enum rad_code code = RAD_OK;
+  for (int r = 0; r < n && !code; r++) {
+    code = run_row(p, i, r == 0, run, e);
+    for (int t = 0; t < N_TIME; t++)
+      seconds[t][r] = *time[t];
+  }
+  for (int t = 0; t < N_TIME && !code; t++)
+    *time[t] = median(n, seconds[t]);
   return code;
 }
 
@@ -116,7 +157,7 @@ static enum rad_code run_all(const struct rad_study_plan *p, struct rad_study_ta
     for (int k = 0; k < t->n_key && i < p->n_row; k++)
       row->set[k] = (char *)rad_study_value(p, i, k);
     rad_progress_run(p->progress, i + 1, p->n_row + p->n_reference);
-    enum rad_code code = run_row(p, i, &row->run, e);
+    enum rad_code code = repeat_row(p, i, &row->run, e);
     rad_progress_clear(p->progress);
     if (code == RAD_ENUMERIC) /* one run that fails does not lose the others */
       say(p, i, e->text);
@@ -154,6 +195,8 @@ static enum rad_code whole(const struct rad_study_plan *p, struct rad_error *e) 
                               .n_reference = p->n_reference,
                               .row = rad_calloc(n_run, sizeof *t.row),
                               .grid = p->grid,
+                              .is_solution = p->grid == RAD_GRID_CLOSED ||
+                                             p->deck.study.values == RAD_VALUES_SOLUTION,
                               .threads = omp_get_max_threads()};
   enum rad_code code = RAD_OK;
   if (!key || !set || !file || !t.row)

@@ -15,9 +15,9 @@ struct rad_study_task {
 
 /* What the table needs of a case that is solved; run's arrays are owned, n is left alone.
  *
- * @param[in] norms  of the inverse as well, if the matrix is dense and small enough */
+ * @param[in] is_reference  compared with, and no row of the table: without norms of the inverse */
 enum rad_code rad_study_take(const struct rad_case *c, enum rad_grid grid, double seconds,
-                             int norms, struct rad_task_run *run, struct rad_error *e);
+                             int is_reference, struct rad_task_run *run, struct rad_error *e);
 
 /* One run of the study, by polyrad run, into a file of its own: that of command->task. */
 enum rad_code rad_study_task(const struct rad_study_plan *plan, struct rad_error *e);

@@ -96,19 +96,19 @@ static enum rad_code refuse_missing(const struct collection *c, struct rad_error
 }
 
 static enum rad_code tabulate(const struct collection *c, struct rad_error *e) {
-  int n_row = c->like->n_row;
-  struct rad_study_table t = {.path = c->first,
-                              .deck = &c->deck,
-                              .n_key = c->like->n_key,
-                              .key = c->like->key,
-                              .n_row = n_row,
-                              .n_inner = c->like->n_inner,
-                              .n_reference = c->n - n_row,
-                              .row = rad_calloc((size_t)c->n, sizeof *t.row),
-                              .grid = strcmp(c->like->grid, rad_grid_name[RAD_GRID_CROWDED])
-                                          ? RAD_GRID_CLOSED
-                                          : RAD_GRID_CROWDED,
-                              .threads = c->threads};
+  int n_row = c->like->n_row, is_closed = !strcmp(c->like->grid, rad_grid_name[RAD_GRID_CLOSED]);
+  struct rad_study_table t = {
+      .path = c->first,
+      .deck = &c->deck,
+      .n_key = c->like->n_key,
+      .key = c->like->key,
+      .n_row = n_row,
+      .n_inner = c->like->n_inner,
+      .n_reference = c->n - n_row,
+      .row = rad_calloc((size_t)c->n, sizeof *t.row),
+      .grid = is_closed ? RAD_GRID_CLOSED : RAD_GRID_CROWDED,
+      .is_solution = is_closed || strstr(c->like->grid, rad_values_name[RAD_VALUES_SOLUTION]),
+      .threads = c->threads};
   if (!t.row)
     return rad_fail_memory(e, "the study", (double)c->n * sizeof *t.row);
   for (int i = 0; i < c->n; i++) {

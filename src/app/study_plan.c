@@ -9,10 +9,13 @@
 
 enum { MAX_TEXT = 1024 };
 
-/* Adaptive runs take part if a tolerance is given or varied, or no run has a mesh by hand. */
+/* Points at edges have no u*. Adaptive runs take part if a tolerance is given or varied, or no run
+ * has a mesh by hand. */
 static enum rad_grid choose_grid(const struct rad_deck *deck) {
   const struct rad_deck_study *d = &deck->study;
   int by_hand = (deck->method.given & RAD_GIVEN_ANY_MESH) != 0;
+  if (d->values != RAD_VALUES_AUTO)
+    return RAD_GRID_CROWDED;
   for (int k = 0; k < d->n_vary; k++) {
     if (!strcmp(d->vary[k].key, "accuracy.tolerance"))
       return RAD_GRID_CROWDED;

@@ -123,7 +123,7 @@ void rad_study_print(const struct rad_study_table *t, FILE *out) {
   }
   fprintf(out,
           "error: max |%s - reference| [W/m2] over %s of every sub-triangle; reference: %s%s\n",
-          t->grid == RAD_GRID_CLOSED ? "u_h" : "reported u",
+          t->is_solution ? "u_h" : "reported u",
           t->grid == RAD_GRID_CLOSED ? "the closed 100 x 100 grid" : "24 x 24 points from 1e-6 on",
           t->n_reference ? "the named run" : "the last run",
           t->n_problem > 1 ? " of the same scene" : "");

@@ -24,6 +24,7 @@ struct rad_study_table {
   struct rad_study_row *row; /* [n_row + n_reference] */
   int n_problem;             /* set by rad_study_compare */
   enum rad_grid grid;
+  int is_solution; /* u_h is compared, not the reported u */
   int threads;
 };
 

@@ -7,6 +7,14 @@
 #include "base/memory.h"
 #include "base/text.h"
 
+/* Where runs are compared, and by what; owned, or NULL. */
+static char *grid_name(const struct rad_study_plan *p) {
+  char name[64];
+  snprintf(name, sizeof name, "%s%s", rad_grid_name[p->grid],
+           rad_values_name[p->deck.study.values]);
+  return strdup(name);
+}
+
 static enum rad_code refuse_number(const struct rad_study_plan *p, struct rad_error *e) {
   const struct rad_command *c = p->command;
   int n = p->n_row + p->n_reference;
@@ -31,7 +39,7 @@ static enum rad_code describe(const struct rad_study_plan *p, struct rad_task *t
                          .n_task = p->n_row + p->n_reference,
                          .n_row = p->n_row,
                          .n_inner = p->n_inner,
-                         .grid = strdup(rad_grid_name[p->grid]),
+                         .grid = grid_name(p),
                          .overrides = rad_join_lines(p->command->n_set, p->command->set),
                          .table = rad_study_file(p, "_study", ".h5"),
                          .n_key = d->n_vary,

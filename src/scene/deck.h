@@ -113,13 +113,18 @@ struct rad_deck_vary {
   char **value; /* owned [n] */
 };
 
+/* What the runs of a study are compared by; auto: u_h of meshes by hand, u* of adaptive runs. */
+enum rad_study_values { RAD_VALUES_AUTO, RAD_VALUES_SOLUTION, RAD_VALUES_REPORTED };
+
 struct rad_deck_study {
   bool present;
   bool stability;                  /* norms of the inverse of every run; default no */
+  enum rad_study_values values;    /* default auto */
+  int repeats;                     /* of each run, for its times; default 1 */
   int n_vary;                      /* keys; the study runs their product, first key slowest */
   struct rad_deck_vary *vary;      /* owned [n_vary] */
   int n_reference;                 /* 0: the last run is the reference */
-  struct rad_deck_vary *reference; /* owned; keys "method.x" of the reference run, n = 1 each */
+  struct rad_deck_vary *reference; /* owned; keys of the reference run, n = 1 each */
 };
 
 struct rad_deck {

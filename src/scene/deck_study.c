@@ -6,7 +6,7 @@
 
 #include "scene/deck_read.h"
 
-enum { MAX_VARY = 32, MAX_RUN = 10000 };
+enum { MAX_VARY = 32, MAX_RUN = 10000, MAX_REPEATS = 99 };
 
 struct trial {
   struct rad_yaml *y;
@@ -86,7 +86,8 @@ static enum rad_code read_reference(struct rad_yaml *y, const struct rad_yaml_no
   if (node->kind == RAD_YAML_SCALAR && !rad_yaml_is_nothing(node))
     return rad_read_choice(y, node, "reference", choice, &last);
   if (node->kind != RAD_YAML_MAP || !node->first)
-    return rad_fail_value(y, node, "reference", "'last', or method keys, {elements: 64}");
+    return rad_fail_value(y, node, "reference",
+                          "'last', method keys, {elements: 64}, or {tolerance: 1e-8}");
   study->reference = calloc(MAX_VARY, sizeof *study->reference);
   if (!study->reference)
     return rad_fail_memory(y->e, "the study", MAX_VARY * sizeof *study->reference);
@@ -94,7 +95,8 @@ static enum rad_code read_reference(struct rad_yaml *y, const struct rad_yaml_no
     if (study->n_reference == MAX_VARY)
       return rad_yaml_fail(y, k, "more than %d keys in 'reference'; leave some out", MAX_VARY);
     char key[80];
-    if (snprintf(key, sizeof key, "method.%s", k->text) >= (int)sizeof key)
+    const char *section = strcmp(k->text, "tolerance") ? "method" : "accuracy";
+    if (snprintf(key, sizeof key, "%s.%s", section, k->text) >= (int)sizeof key)
       return rad_yaml_fail(y, k, "unknown key '%.40s...'; give keys of 'method'", k->text);
     enum rad_code code = keep_vary(y, key, 0, k->next, &study->reference[study->n_reference++]);
     if (code)
@@ -160,17 +162,38 @@ static struct trial trial_of(struct rad_yaml *y, struct rad_yaml_node *root, con
   return t;
 }
 
+/* Nodes may be NULL: not given. */
+static enum rad_code read_options(struct rad_yaml *y, const struct rad_yaml_node *stability,
+                                  const struct rad_yaml_node *values,
+                                  const struct rad_yaml_node *repeats,
+                                  struct rad_deck_study *study) {
+  static const char *const choice[] = {"auto", "solution", "reported", NULL};
+  enum rad_code code =
+      stability ? rad_read_bool(y, stability, "stability", &study->stability) : RAD_OK;
+  int chosen = RAD_VALUES_AUTO;
+  if (!code && values)
+    code = rad_read_choice(y, values, "values", choice, &chosen);
+  study->values = (enum rad_study_values)chosen;
+  if (!code && repeats)
+    code = rad_read_whole(y, repeats, "repeats", (struct rad_range){1, MAX_REPEATS, false},
+                          &study->repeats);
+  return code;
+}
+
 enum rad_code rad_deck_read_study(struct rad_yaml *y, struct rad_yaml_node *root,
                                   struct rad_yaml_node *node, struct rad_deck *deck) {
-  enum { VARY, REFERENCE, STABILITY, N };
+  enum { VARY, REFERENCE, STABILITY, VALUES, REPEATS, N };
   static const struct rad_key key[N] = {[VARY] = {.name = "vary"},
                                         [REFERENCE] = {.name = "reference"},
-                                        [STABILITY] = {.name = "stability"}};
+                                        [STABILITY] = {.name = "stability"},
+                                        [VALUES] = {.name = "values"},
+                                        [REPEATS] = {.name = "repeats"}};
   struct rad_deck_study *study = &deck->study;
   const struct rad_yaml_node *seen[N];
   if (!node)
     return RAD_OK;
   study->present = true;
+  study->repeats = 1;
   node->study = true;
   if (node->kind != RAD_YAML_SCALAR)
     mark_study(node->first);
@@ -178,8 +201,8 @@ enum rad_code rad_deck_read_study(struct rad_yaml *y, struct rad_yaml_node *root
   if (!code && !seen[VARY])
     return rad_yaml_fail(y, node,
                          "the study has no 'vary'; give the keys to vary and their values");
-  if (!code && seen[STABILITY])
-    code = rad_read_bool(y, seen[STABILITY], "stability", &study->stability);
+  if (!code)
+    code = read_options(y, seen[STABILITY], seen[VALUES], seen[REPEATS], study);
   if (!code)
     code = read_vary(y, seen[VARY], study);
   if (!code && seen[REFERENCE])

@@ -308,7 +308,7 @@ static double *grid_values(const char *method, double area[3]) {
   corner(&d, 1, 0, 0.9, method);
   ck_assert_msg(deck_solve(&d, &c, &e) == RAD_OK, "%s", e.text);
   double *value = malloc(rad_grid_size(&c.scene, RAD_GRID_CLOSED) * sizeof *value);
-  ck_assert_int_eq(rad_grid_evaluate(&c, RAD_GRID_CLOSED, value, &e), RAD_OK);
+  ck_assert_int_eq(rad_grid_evaluate(&c, RAD_GRID_CLOSED, 0, value, &e), RAD_OK);
   for (int t = 0; t < 3; t++)
     area[t] = c.scene.triangle[t].area;
   rad_case_free(&c);
@@ -396,7 +396,7 @@ static double *reported(const struct deck_text *d, size_t *n, double *bound) {
   *n = rad_grid_size(&c.scene, RAD_GRID_CROWDED);
   *bound = c.adaptive.bound * rad_indicator_scale(&c.adaptive.indicator, 1);
   double *value = malloc(*n * sizeof *value);
-  ck_assert_int_eq(rad_grid_evaluate(&c, RAD_GRID_CROWDED, value, &e), RAD_OK);
+  ck_assert_int_eq(rad_grid_evaluate(&c, RAD_GRID_CROWDED, 1, value, &e), RAD_OK);
   rad_case_free(&c);
   return value;
 }

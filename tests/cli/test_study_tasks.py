@@ -68,6 +68,31 @@ class Tasks(test_cli.Case):
         self.study("{vary: {accuracy.tolerance: [1e-1, 1e-2]}}")
         self.same_table(2)
 
+    def errors(self):
+        """Column error of whole.h5 as the study prints it."""
+        lines = self.done("study", "deck.yml", "-o", "again.h5").stdout.splitlines()
+        at = lines[0].split().index("error")
+        return [float(line.split()[at]) for line in lines[1:-2]]
+
+    def test_values_against_a_tolerance(self):
+        errors, said = {}, {"solution": "|u_h - reference|", "reported": "|reported u - reference|"}
+        for values, words in said.items():
+            self.study("{vary: {method.elements: [1, 2]}, reference: {tolerance: 1e-5}, values: %s}" % values)
+            self.same_table(3)
+            self.assertIn(words, self.done("study", "--collect", *[f for f in self.files() if "_task_" in f],
+                                           "-o", "c.h5").stdout)
+            errors[values] = self.errors()
+        for u_h, star in zip(errors["solution"], errors["reported"]):
+            self.assertGreater(u_h, 2 * star)  # u* gains a power of h
+        # the paper's Table 4.2: errors of u_h halve with h, here on other points
+        self.assertAlmostEqual(errors["solution"][0], 2.99e-2, delta=5e-4)
+
+    def test_repeats_change_times_only(self):
+        once = self.done("study", "deck.yml", "-o", "once.h5", "--set", "study.repeats=1")
+        thrice = self.done("study", "deck.yml", "-o", "thrice.h5", "--set", "study.repeats=3")
+        self.assertEqual(self.columns("once.h5"), self.columns("thrice.h5"))
+        self.assertEqual(once.stderr, thrice.stderr)
+
     def test_overrides(self):
         files = self.same_table(4, "--set", "scene.triangles.0.rho=0.25")
         self.done("study", "deck.yml", "--task", "2/4", "--quiet")

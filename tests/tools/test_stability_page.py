@@ -1,20 +1,19 @@
 """docs/stability.md and the studies it is made from: one list, decks that are there, the same words."""
 
 import re
+import sys
 import unittest
 
 from project import ROOT
+
+sys.path.insert(0, str(ROOT / "tools/python"))
+import report_stability  # noqa: E402
 
 FOLDER = ROOT / "inputs/studies/stability"
 
 
 def entries() -> list[dict[str, str]]:
-    """The items of index.yml: keys of one line, or folded texts (>-)."""
-    found = []
-    for item in re.split(r"^- ", (FOLDER / "index.yml").read_text(), flags=re.MULTILINE)[1:]:
-        pairs = re.findall(r"^ *(\w+): (?:>-\n)?((?:.|\n(?= {4}))*)", item, flags=re.MULTILINE)
-        found.append({key: " ".join(value.split()) for key, value in pairs})
-    return found
+    return report_stability.entries(FOLDER)
 
 
 class Page(unittest.TestCase):
