@@ -345,6 +345,17 @@ static void set_reals(struct rad_hdf *h, hid_t group, const struct rad_diagnosti
     rad_hdf_set_real(h, group, list[k].name, list[k].value);
 }
 
+/* Only if the deck says anything of it. */
+static void write_camera(struct rad_hdf *h, hid_t root, const struct rad_deck_camera *c) {
+  const double all[] = {c->from[0], c->from[1], c->from[2], c->to[0], c->to[1],
+                        c->to[2],   c->up[0],   c->up[1],   c->up[2], c->angle};
+  enum { N = sizeof all / sizeof *all };
+  static const char *const what =
+      "from, to, up [m], angle [degree] for tools/render; NaN: not said";
+  if (c->given)
+    rad_hdf_array(h, root, &(struct rad_hdf_array){"camera", "1", what, RAD_HDF_REAL, 1, {N}, all});
+}
+
 enum rad_code rad_result_write(const char *path, struct rad_result *result, double started,
                                struct rad_error *e) {
   const double begin = rad_seconds();
@@ -366,6 +377,7 @@ enum rad_code rad_result_write(const char *path, struct rad_result *result, doub
   write_solution(&h, root, result);
   write_probes(&h, root, result);
   write_view_factors(&h, root, &result->view_factors);
+  write_camera(&h, root, &result->deck->output.camera);
   if (result->task)
     rad_task_put(&h, root, result->task);
 

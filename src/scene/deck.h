@@ -98,12 +98,20 @@ enum {
 
 enum rad_cells { RAD_CELLS_LINEAR, RAD_CELLS_LAGRANGE };
 
+/* From where tools/render looks; NAN where the deck does not say. */
+struct rad_deck_camera {
+  bool given;                   /* the deck says something */
+  double from[3], to[3], up[3]; /* [m]; up: of any length */
+  double angle;                 /* of view, of the picture's shorter side [degree] */
+};
+
 struct rad_deck_output {
   char *file;      /* owned; default: the deck's base name with .vtkhdf, in the working folder */
   int sampling;    /* sub-cells per element and direction, default 4 */
   unsigned fields; /* bits RAD_FIELD_*; 0: all that there are */
   enum rad_cells cells; /* of the picture; default linear */
   bool view_factors;    /* the matrix between surfaces; default no */
+  struct rad_deck_camera camera;
 };
 
 /* One varied key of a study: its dotted name and the values as text, ready for `--set`. */

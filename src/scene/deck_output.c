@@ -69,6 +69,30 @@ static enum rad_code read_fields(struct rad_yaml *y, const struct rad_yaml_node 
   return RAD_OK;
 }
 
+/* node may be NULL. */
+static enum rad_code read_camera(struct rad_yaml *y, const struct rad_yaml_node *node,
+                                 struct rad_deck_camera *c) {
+  enum { FROM, TO, UP, ANGLE, N };
+  static const struct rad_key key[N] = {[FROM] = {.name = "from"},
+                                        [TO] = {.name = "to"},
+                                        [UP] = {.name = "up"},
+                                        [ANGLE] = {.name = "angle"}};
+  static const struct rad_range any = {-INFINITY, INFINITY, false}, angle = {0.1, 170, false};
+  double *point[] = {c->from, c->to, c->up};
+  c->given = node != NULL;
+  const struct rad_yaml_node *seen[N] = {NULL};
+  enum rad_code code =
+      node ? rad_read_map(y, node, "section 'output.camera'", N, key, c, seen) : RAD_OK;
+  for (int k = FROM; k <= UP; k++) {
+    for (int d = 0; d < 3; d++)
+      point[k][d] = NAN;
+    if (!code && seen[k])
+      code = rad_read_reals(y, seen[k], key[k].name, 3, any, point[k]);
+  }
+  c->angle = NAN;
+  return code || !seen[ANGLE] ? code : rad_read_real(y, seen[ANGLE], "angle", angle, &c->angle);
+}
+
 /* In the working folder: runs/corner.yml gives corner.vtkhdf. */
 static enum rad_code default_file(struct rad_yaml *y, char **file) {
   const char *slash = strrchr(y->path, '/'), *base = slash ? slash + 1 : y->path;
@@ -84,7 +108,7 @@ static enum rad_code default_file(struct rad_yaml *y, char **file) {
 
 enum rad_code rad_deck_read_output(struct rad_yaml *y, const struct rad_yaml_node *node,
                                    struct rad_deck *deck) {
-  enum { FILE_NAME, SAMPLING, CELLS, FIELDS, VIEW_FACTORS, N };
+  enum { FILE_NAME, SAMPLING, CELLS, FIELDS, VIEW_FACTORS, CAMERA, N };
   static const char *const cells[] = {"linear", "lagrange", NULL}; /* in the order of rad_cells */
   static const struct rad_key key[N] = {
       [FILE_NAME] = {.name = "file",
@@ -100,6 +124,7 @@ enum rad_code rad_deck_read_output(struct rad_yaml *y, const struct rad_yaml_nod
                  .choice = cells},
       [FIELDS] = {.name = "fields"},
       [VIEW_FACTORS] = {.name = "view_factors"},
+      [CAMERA] = {.name = "camera"},
   };
   deck->output.sampling = 4;
   const struct rad_yaml_node *seen[N] = {NULL};
@@ -109,6 +134,8 @@ enum rad_code rad_deck_read_output(struct rad_yaml *y, const struct rad_yaml_nod
     code = read_fields(y, seen[FIELDS], &deck->output.fields);
   if (!code && seen[VIEW_FACTORS])
     code = rad_read_bool(y, seen[VIEW_FACTORS], "view_factors", &deck->output.view_factors);
+  if (!code)
+    code = read_camera(y, seen[CAMERA], &deck->output.camera);
   if (!code && !deck->output.file)
     code = default_file(y, &deck->output.file);
   return code;

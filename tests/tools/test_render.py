@@ -94,6 +94,21 @@ class Photographs(Folder):
             self.near(image[at], COLORS[SIDES.index(side)], side)
         self.near(image[0, 0], [0, 0, 0])
 
+    def test_camera_of_the_deck(self):
+        """What output.camera says is as if the options said it; options go first."""
+        path = self.box()
+        asked = self.picture(path, "--size", "60x60", "--from", "0.5,-2,0.5", "--up", "1,0,0", "--angle", 30)
+        with h5py.File(path, "a") as file:
+            nan = [float("nan")] * 3
+            file["polyrad/camera"] = [0.5, -2, 0.5, *nan, 1, 0, 0, 30]
+        np.testing.assert_array_equal(self.picture(path, "--size", "60x60"), asked)
+        other = self.picture(path, "--size", "60x60", "--from", "0.5,0.4,5", "--angle", 20, "--up", "0,1,0")
+        with h5py.File(path, "a") as file:
+            del file["polyrad/camera"]
+        plain = self.picture(path, "--size", "60x60", "--from", "0.5,0.4,5", "--angle", 20, "--up", "0,1,0")
+        np.testing.assert_array_equal(other, plain)
+        self.assertFalse(np.array_equal(asked, plain))
+
     def test_closed_rooms_are_seen_from_outside_and_inside(self):
         path = self.box()
         common = ["--exposure", 1, "--size", "64x64"]

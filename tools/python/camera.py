@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from result import Problem
+from result import Problem, Result
 from surfaces import Surfaces
 from view import direction as best_corner
 
@@ -68,6 +68,19 @@ def upright(up: list[float] | None, back: np.ndarray) -> np.ndarray:
     if np.linalg.norm(across) <= 1e-6 * np.linalg.norm(wanted):
         raise Problem("--up is along the line of sight; give another direction", 2)
     return unit(across)
+
+
+def by_deck(result: Result, options) -> None:
+    """What the deck says of the camera (output.camera), where no option does."""
+    said = result.file.get("polyrad/camera")
+    if said is None or said.shape != (10,):
+        return
+    said = [float(x) for x in said[()]]
+    for name, value in (("eye", said[0:3]), ("to", said[3:6]), ("up", said[6:9])):
+        if getattr(options, name) is None and np.isfinite(value).all():
+            setattr(options, name, value)
+    if options.angle is None and np.isfinite(said[9]):
+        options.angle = said[9]
 
 
 def place(s: Surfaces, options, aspect: float) -> Camera:

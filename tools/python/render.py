@@ -152,6 +152,7 @@ def main() -> None:
     width, height = options.size[0] - (BAR if is_map else 0), options.size[1]
     if width < SMALLEST:
         raise Problem(f"--size: with a colour bar the width is at least {BAR + SMALLEST}", 2)
+    space.by_deck(result, options)
     camera = space.place(surfaces, options, width / height)
     share = camera.share(surfaces)
     if not (share > 0).any():
