@@ -100,6 +100,15 @@ class Report(unittest.TestCase):
         for name, section in sections.items():
             self.assertIn(f'<h2 id="{name}">{section.title}</h2>\n{section.html}', page)
 
+    def test_figures_for_the_documents(self):
+        made, shown = self.context.folder / "a" / "work_a.svg", self.context.folder / "docs"
+        made.parent.mkdir()
+        shown.mkdir()
+        made.write_text("<svg/>")
+        self.context.docs = shown
+        report.publish(self.context, [made])
+        self.assertEqual([(f.name, f.read_text()) for f in shown.iterdir()], [("work_a.svg", "<svg/>")])
+
     def test_decks_are_good(self):
         for deck in sorted((ROOT / "inputs/studies/work").glob("*.yml")):
             listed = subprocess.run([POLYRAD, "study", deck, "--tasks"], capture_output=True, text=True, check=False)

@@ -31,6 +31,15 @@ def page(sections: dict[str, Section]) -> str:
     )
 
 
+def publish(context: Context, figures: list[Path]) -> None:
+    """The figures of a report in docs/img, where the documents show them."""
+    for figure in figures:
+        shown = context.docs / figure.name
+        part = shown.with_suffix(".part")
+        part.write_bytes(figure.read_bytes())
+        part.replace(shown)
+
+
 def options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="tools/report", description=__doc__)
     parser.add_argument("-o", dest="folder", type=Path, default=Path("report"), metavar="FOLDER")
@@ -50,6 +59,8 @@ def main() -> None:
     context = Context(polyrad, ROOT, given.folder.resolve(), given.full, given.known, docs)
     chosen = [name for name in SECTIONS if not given.only or name in given.only]
     sections = {name: importlib.import_module(SECTIONS[name]).section(context) for name in chosen}
+    if context.docs:
+        publish(context, [path for section in sections.values() for path in section.figures])
     given.folder.mkdir(parents=True, exist_ok=True)
     path = given.folder / "report.html"
     written = path.with_suffix(".part")

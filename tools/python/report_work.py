@@ -159,8 +159,6 @@ def scene_part(ctx: Context, scene: str) -> tuple[str, Path]:
     path = ctx.folder / "work" / f"work_{scene}.svg"
     path.parent.mkdir(parents=True, exist_ok=True)
     chart(f"{SCENES[scene]}: error against work", curves, floor, path)
-    if ctx.docs:
-        (ctx.docs / path.name).write_bytes(path.read_bytes())
     caption = (
         f"{SCENES[scene]}. Solid: u*, dotted: u_h. Rings: the cheapest in time for each decade. Dashed: what the "
         "reference may be off. Times are medians of three runs, from the deck to the solution (without "
