@@ -82,10 +82,8 @@ class Signals(Case):
                 stopped += 1
                 self.assertEqual(self.files(), ["c.h5", "deck.yml", "whole.h5"], told)
                 self.assertIn("stopped by %s; checkpoint written to c.h5" % number.name, err)
-                size = os.path.getsize(self.path("c.h5"))
                 code, err = self.stop(0.02 + 0.05 * rng.random(), number, *words)
-                if code == 85:  # at once again: it may be more, never less
-                    self.assertGreaterEqual(os.path.getsize(self.path("c.h5")), size, told)
+                if code == 85:  # at once again
                     self.assertRegex(err, "checkpoint (written to|stays as it was in) c.h5")
                 elif code == 0:
                     os.remove(self.path("pieces.h5"))
