@@ -24,18 +24,25 @@ static struct rad_origin origin_of(const struct rad_case *c, const char *command
                              .started = started};
 }
 
-static struct rad_checkpoint matrix_and_iterate(struct rad_case *c) {
-  return (struct rad_checkpoint){.dense = c->dense.done ? &c->dense : NULL,
-                                 .h2 = c->h2.near_done ? &c->h2 : NULL,
-                                 .iterate = &c->iterate};
+static struct rad_part_matrix matrix_of(struct rad_case *c) {
+  return (struct rad_part_matrix){c->dense.done ? &c->dense : NULL,
+                                  c->h2.near_done ? &c->h2 : NULL};
+}
+
+static struct rad_checkpoint content_of(struct rad_case *c) {
+  const struct rad_part_matrix m = matrix_of(c);
+  return (struct rad_checkpoint){.dense = m.dense,
+                                 .h2 = m.h2,
+                                 .iterate = &c->iterate,
+                                 .stage = c->adaptive.stage.leaf ? &c->adaptive.stage : NULL};
 }
 
 enum rad_code rad_case_save(struct rad_case *c, const char *path, const char *command,
                             double started, struct rad_error *e) {
   const struct rad_origin origin = origin_of(c, command, started);
-  struct rad_checkpoint holds = matrix_and_iterate(c);
-  if (c->is_adaptive && !(holds.stage = rad_adaptive_stage(&c->adaptive)))
-    holds = (struct rad_checkpoint){0}; /* the first level begins again */
+  struct rad_checkpoint holds = content_of(c);
+  if (c->is_adaptive && !holds.stage) /* the first level begins again */
+    holds = (struct rad_checkpoint){0};
   return rad_checkpoint_write(path, &origin, &holds, e);
 }
 
@@ -47,11 +54,6 @@ enum rad_code rad_case_restart(struct rad_case *c, const char *path, struct rad_
     code = rad_case_keep_form(c, form, e);
   c->restart = path;
   return code;
-}
-
-static struct rad_part_matrix matrix_of(struct rad_case *c) {
-  return (struct rad_part_matrix){c->dense.done ? &c->dense : NULL,
-                                  c->h2.near_done ? &c->h2 : NULL};
 }
 
 enum rad_code rad_case_join(struct rad_case *c, int n_file, const char *const *file,
@@ -89,7 +91,7 @@ enum rad_code rad_case_restore(struct rad_case *c, struct rad_error *e) {
   const struct rad_part_matrix m = matrix_of(c);
   if (!c->restart)
     return rad_parts_read(c->n_part, c->part, &origin, &m, e);
-  const struct rad_checkpoint into = matrix_and_iterate(c);
+  const struct rad_checkpoint into = content_of(c);
   enum rad_code code = rad_checkpoint_read(c->restart, &origin, &into, e);
   c->is_restored = !code;
   return code;
@@ -124,16 +126,13 @@ const char *rad_restart_find(const struct rad_command *command) {
 
 /* True if a run has at least what the checkpoint had from which it goes on. */
 static int is_ahead(const struct rad_case *c) {
-  return c->is_adaptive ? rad_adaptive_stage(&c->adaptive) != NULL : c->is_restored;
+  return c->is_adaptive ? c->adaptive.stage.leaf != NULL : c->is_restored;
 }
 
 static int copy_file(int to, void *path) {
-  char bytes[1 << 16];
-  int from = open(path, O_RDONLY), error = from < 0 ? errno : 0;
-  for (ssize_t n = 1; !error && n > 0;) {
-    n = read(from, bytes, sizeof bytes);
-    error = n < 0 ? errno : rad_write_all(to, bytes, (size_t)n);
-  }
+  struct stat is;
+  int from = open(path, O_RDONLY);
+  int error = from < 0 || fstat(from, &is) ? errno : rad_copy_part(from, to, 0, is.st_size);
   if (from >= 0)
     close(from);
   return error;

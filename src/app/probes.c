@@ -27,16 +27,7 @@ struct rad_place rad_place_weighted(int triangle, const double weight[3]) {
 struct rad_place rad_place_in(const struct rad_scene *scene, int triangle, const double at[3]) {
   const struct rad_triangle *t = &scene->triangle[triangle];
   double off[3], weight[3];
-  for (int c = 0; c < 3; c++) { /* area of the triangle that the point makes with the other edge */
-    double side[3], d[3], cross[3];
-    rad_sub(t->v[(c + 2) % 3], t->v[(c + 1) % 3], side);
-    rad_sub(at, t->v[(c + 1) % 3], d);
-    rad_cross(side, d, cross);
-    weight[c] = rad_dot(cross, t->normal) / (2 * t->area);
-  }
-  double total = weight[0] + weight[1] + weight[2]; /* 1, or -1 if the normal is the other one */
-  for (int c = 0; c < 3; c++)
-    weight[c] /= total;
+  rad_triangle_weights(t, at, weight);
   struct rad_place p = rad_place_weighted(triangle, weight);
   rad_sub(at, t->v[p.base], off);
   p.off = fmax(fabs(rad_dot(off, t->normal)) / sqrt(2 * t->area), p.off);

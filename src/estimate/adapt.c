@@ -46,8 +46,7 @@ static void free_level(struct rad_adaptive *a) {
 void rad_adaptive_free(struct rad_adaptive *a) {
   free_level(a);
   rad_layout_free(&a->layout);
-  rad_stage_free(&a->last[0]);
-  rad_stage_free(&a->last[1]);
+  rad_stage_free(&a->stage);
   free(a->element_bound);
   *a = (struct rad_adaptive){0};
 }
@@ -287,13 +286,6 @@ enum rad_code rad_adapt_estimate(const struct rad_scene *scene, const struct rad
   return code;
 }
 
-const struct rad_stage *rad_adaptive_stage(const struct rad_adaptive *a) {
-  for (int i = 1; i >= 0; i--)
-    if (a->last[i].matrix != RAD_MATRIX_AUTO)
-      return &a->last[i];
-  return NULL;
-}
-
 /* The layout of the first level, or of the one to go on from. */
 static enum rad_code begin(const struct rad_scene *scene, const struct rad_goal *g,
                            struct rad_adaptive *a, struct rad_error *e) {
@@ -310,21 +302,22 @@ static enum rad_code begin(const struct rad_scene *scene, const struct rad_goal 
   return rad_stage_restore(g->from, &a->layout, e);
 }
 
-/* A level, and the stage where it began. */
+/* A level; once it is done, the stage where it began. */
 static enum rad_code staged_level(const struct rad_scene *scene, const struct rad_goal *g,
                                   struct rad_adaptive *a, struct rad_error *e) {
   struct rad_stage now = {
       .levels = a->levels, .stuck = a->stuck, .least = a->least, .quadrature = a->quadrature};
   enum rad_code code = rad_stage_take(&a->layout, &now, e);
-  if (code)
+  if (!code)
+    code = level(scene, g, a, e);
+  if (code || a->reason[0]) {
+    rad_stage_free(&now);
     return code;
-  rad_stage_free(&a->last[0]);
-  a->last[0] = a->last[1];
-  a->last[1] = now;
-  code = level(scene, g, a, e);
-  if (!code && !a->reason[0])
-    a->last[1].matrix = a->h2.mesh ? RAD_MATRIX_HIERARCHICAL : RAD_MATRIX_DENSE;
-  return code;
+  }
+  now.matrix = a->h2.mesh ? RAD_MATRIX_HIERARCHICAL : RAD_MATRIX_DENSE;
+  rad_stage_free(&a->stage);
+  a->stage = now;
+  return RAD_OK;
 }
 
 enum rad_code rad_adapt(const struct rad_scene *scene, const struct rad_goal *g,

@@ -30,10 +30,11 @@ struct rad_adaptive {
   double *element_bound; /* owned [n_element] z of (6.2), largest of the element, over max |u| */
   double quadrature;     /* tolerance of the matrix entries, and of compression */
   int levels;
-  int stuck;                /* of them in a row that hardly lowered the bound */
-  double least;             /* bound of all levels */
-  struct rad_stage last[2]; /* owned: where the level before began, and the present one */
-  double seconds_before;    /* spent on levels before the last */
+  int stuck;              /* of them in a row that hardly lowered the bound */
+  double least;           /* bound of all levels */
+  struct rad_stage stage; /* owned: where the last level that was done begins, and after
+                             RAD_ESTOPPED the run can go on to the same bits; no leaves: none was */
+  double seconds_before;  /* spent on levels before the last */
   double seconds_assemble, seconds_estimate;
   char reason[256]; /* why the tolerance was not reached; empty if it was */
 };
@@ -44,10 +45,6 @@ struct rad_adaptive {
  */
 enum rad_code rad_adapt(const struct rad_scene *scene, const struct rad_goal *goal,
                         struct rad_adaptive *a, struct rad_error *e);
-
-/* Where to go on after RAD_ESTOPPED, to the same bits: the last level that was done begins there,
- * and `a` has its matrix. NULL: none was. */
-const struct rad_stage *rad_adaptive_stage(const struct rad_adaptive *a);
 
 /**
  * Indicator and bounds of a mesh made by hand and solved elsewhere: a->mesh, rules, dense or h2,

@@ -25,21 +25,9 @@ static void mix(const struct rad_triangle *t, const double w[3], double x[3]) {
 
 /* The projection lies inside, or the nearest point is that of one of the edges. */
 double rad_nearest_point(const struct rad_triangle *t, const double x[3], double weight[3]) {
-  double best = INFINITY, to[3], side[3], cross[3], at[3], w[3];
-  int inside = 1;
-  for (int c = 0; c < 3; c++) { /* area of the triangle that the point makes with the other edge */
-    rad_sub(t->v[(c + 2) % 3], t->v[(c + 1) % 3], side);
-    rad_sub(x, t->v[(c + 1) % 3], to);
-    rad_cross(side, to, cross);
-    double area = rad_dot(cross, t->normal);
-    weight[c] = area / (2 * t->area);
-  }
-  double total = weight[0] + weight[1] + weight[2]; /* 1, or -1 if the normal is the other one */
-  for (int c = 0; c < 3; c++) {
-    weight[c] /= total;
-    inside &= weight[c] >= 0;
-  }
-  if (inside) {
+  double best = INFINITY, to[3], side[3], at[3], w[3];
+  rad_triangle_weights(t, x, weight);
+  if (weight[0] >= 0 && weight[1] >= 0 && weight[2] >= 0) {
     rad_sub(x, t->v[0], to);
     return fabs(rad_dot(to, t->normal));
   }

@@ -3,8 +3,11 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "base/vec.h"
 #include "estimate/feet.h"
 #include "estimate/iterate.h"
+#include "integrate/strips.h"
+#include "system/cluster.h"
 
 /* Irradiance at the feet, [n_foot, n_band], then u*. */
 static enum rad_code star_at(const struct rad_mesh *mesh, const struct rad_rules *rules,
@@ -60,31 +63,21 @@ static void set_gaps(const struct rad_mesh *fine, const double *star, const doub
   }
 }
 
-/* Area of an element [m2]: the integral of (2.1). */
-static double area_of(const struct rad_mesh *mesh, int element) {
-  const struct rad_element *el = &mesh->element[element];
-  const struct rad_patch *p = &mesh->patch[el->patch];
-  double t0 = rad_angle_t(p->angle, rad_graded(el->sigma[0], el->p_phi));
-  double t1 = rad_angle_t(p->angle, rad_graded(el->sigma[1], el->p_phi));
-  double r0 = rad_graded(el->tau[0], el->p_r), r1 = rad_graded(el->tau[1], el->p_r);
-  return 0.5 * p->a1 * p->b2 * (t1 - t0) * (r1 * r1 - r0 * r0);
-}
-
 /* Longest way between the corners of an element [m]. */
 static double diameter_of(const struct rad_mesh *mesh, int element) {
   const struct rad_element *el = &mesh->element[element];
   const struct rad_patch *p = &mesh->patch[el->patch];
-  double corner[4][3], most = 0;
-  for (int c = 0; c < 4; c++) {
-    double t = rad_angle_t(p->angle, rad_graded(el->sigma[c & 1], el->p_phi));
-    double r = rad_graded(el->tau[c >> 1], el->p_r);
-    for (int d = 0; d < 3; d++)
-      corner[c][d] = r * (p->a[d] + t * p->b[d]);
-    for (int o = 0; o < c; o++)
-      most = fmax(most,
-                  sqrt(pow(corner[c][0] - corner[o][0], 2) + pow(corner[c][1] - corner[o][1], 2) +
-                       pow(corner[c][2] - corner[o][2], 2)));
-  }
+  struct rad_polygon corners; /* (r, r t) */
+  double most = 0;
+  rad_element_polygon(p, el, &corners);
+  for (int c = 0; c < corners.n; c++)
+    for (int o = 0; o < c; o++) {
+      double r = corners.corner[c][0] - corners.corner[o][0], way[3];
+      double rt = corners.corner[c][1] - corners.corner[o][1];
+      for (int d = 0; d < 3; d++)
+        way[d] = r * p->a[d] + rt * p->b[d];
+      most = fmax(most, rad_norm(way));
+    }
   return most;
 }
 
@@ -109,7 +102,7 @@ static void spread(const struct rad_mesh *mesh, const unsigned char *sees, const
                    double *factor) {
   size_t n = (size_t)mesh->scene->n_triangle, nb = (size_t)mesh->scene->n_band;
   size_t face = (size_t)rad_element_triangle(mesh, f->element);
-  double area = area_of(mesh, f->element), diameter = diameter_of(mesh, f->element);
+  double area = rad_element_area(mesh, f->element), diameter = diameter_of(mesh, f->element);
   memset(factor, 0, sizeof *factor * nb);
   for (size_t t = 0; t < n; t++) {
     if (!sees[face * n + t])

@@ -12,7 +12,7 @@ struct rad_stage {
   double quadrature; /* tolerance of this level */
   int n_leaf;
   struct rad_leaf *leaf;  /* owned [n_leaf]; NULL: no stage */
-  enum rad_matrix matrix; /* of this level, once it is done; RAD_MATRIX_AUTO: it is not */
+  enum rad_matrix matrix; /* of this level */
 
   /* Where a run goes on: fill the matrix of this level, which has just begun; one is NULL. It is
    * not assembled again, because blocks that came from the level before have other rounding. */

@@ -23,6 +23,19 @@ void rad_triangle_point(const struct rad_triangle *t, int base, const double mu[
     x[d] = v[d] + (mu[0] * (w1[d] - v[d]) + mu[1] * (w2[d] - v[d]));
 }
 
+void rad_triangle_weights(const struct rad_triangle *t, const double x[3], double weight[3]) {
+  for (int c = 0; c < 3; c++) { /* area of the triangle that the point makes with the other edge */
+    double side[3], d[3], cross[3];
+    rad_sub(t->v[(c + 2) % 3], t->v[(c + 1) % 3], side);
+    rad_sub(x, t->v[(c + 1) % 3], d);
+    rad_cross(side, d, cross);
+    weight[c] = rad_dot(cross, t->normal) / (2 * t->area);
+  }
+  double total = weight[0] + weight[1] + weight[2]; /* 1, or -1 if the normal is the other one */
+  for (int c = 0; c < 3; c++)
+    weight[c] /= total;
+}
+
 /* Vectors and frame from mu0, mu_a, mu_b. */
 static void set_frame(const struct rad_triangle *tri, struct rad_patch *p) {
   const double *v = tri->v[p->base];

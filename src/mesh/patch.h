@@ -51,6 +51,9 @@ double rad_angle_phi(enum rad_angle angle, double t);
 /* Position in space of mu, counted from vertex base of the triangle. */
 void rad_triangle_point(const struct rad_triangle *t, int base, const double mu[2], double x[3]);
 
+/* Barycentric weights of the point of the triangle's plane nearest to x; their sum is 1. */
+void rad_triangle_weights(const struct rad_triangle *t, const double x[3], double weight[3]);
+
 /* mu of (phi, r). */
 void rad_patch_mu(const struct rad_patch *patch, double phi, double r, double mu[2]);
 

@@ -66,57 +66,63 @@ enum rad_code rad_checkpoint_write(const char *path, const struct rad_origin *or
   return code;
 }
 
-enum rad_code rad_checkpoint_look(const char *path, const struct rad_origin *origin,
-                                  enum rad_matrix *form, struct rad_error *e) {
+/* A checkpoint being read, without HDF5's own messages. */
+struct reading {
   hid_t file, root;
-  enum rad_code code = rad_origin_open(path, "checkpoint", origin, &file, &root, e);
-  if (code)
-    return code;
-  *form = rad_operator_form(root);
-  H5Gclose(root);
-  H5Fclose(file);
-  return RAD_OK;
+  struct rad_hdf_silence silence;
+};
+
+static enum rad_code begin(const char *path, const struct rad_origin *origin, struct reading *r,
+                           struct rad_error *e) {
+  enum rad_code code = rad_origin_open(path, "checkpoint", origin, &r->file, &r->root, e);
+  if (!code)
+    rad_hdf_silence_begin(&r->silence);
+  return code;
 }
 
-static enum rad_code fail_to_fit(const char *path, struct rad_error *e) {
+static enum rad_code end(const char *path, struct reading *r, bool done, struct rad_error *e) {
+  H5Gclose(r->root);
+  H5Fclose(r->file);
+  rad_hdf_silence_end(&r->silence);
+  if (done)
+    return RAD_OK;
   return rad_fail(e, RAD_ESYSTEM,
                   "%.400s does not fit into this run, or into memory; begin without --restart",
                   path);
 }
 
-enum rad_code rad_checkpoint_read(const char *path, const struct rad_origin *origin,
-                                  const struct rad_checkpoint *c, struct rad_error *e) {
-  hid_t file, root;
-  enum rad_code code = rad_origin_open(path, "checkpoint", origin, &file, &root, e);
+enum rad_code rad_checkpoint_look(const char *path, const struct rad_origin *origin,
+                                  enum rad_matrix *form, struct rad_error *e) {
+  struct reading r;
+  enum rad_code code = begin(path, origin, &r, e);
   if (code)
     return code;
-  struct rad_hdf_silence silence;
+  *form = rad_operator_form(r.root);
+  return end(path, &r, true, e);
+}
+
+enum rad_code rad_checkpoint_read(const char *path, const struct rad_origin *origin,
+                                  const struct rad_checkpoint *c, struct rad_error *e) {
+  struct reading r;
   bool done = true;
-  rad_hdf_silence_begin(&silence);
-  if (c->dense && rad_hdf_has(root, "operator"))
-    done = rad_operator_read_dense(root, c->dense);
-  if (c->h2 && rad_hdf_has(root, "operator"))
-    done = rad_operator_read_h2(root, c->h2);
-  if (done && c->iterate && rad_hdf_has(root, "iterate"))
-    done = read_iterate(root, c->iterate, origin->mesh->n_point, e);
-  H5Gclose(root);
-  H5Fclose(file);
-  rad_hdf_silence_end(&silence);
-  return done ? RAD_OK : fail_to_fit(path, e);
+  enum rad_code code = begin(path, origin, &r, e);
+  if (code)
+    return code;
+  if (c->dense && rad_hdf_has(r.root, "operator"))
+    done = rad_operator_read_dense(r.root, c->dense);
+  if (c->h2 && rad_hdf_has(r.root, "operator"))
+    done = rad_operator_read_h2(r.root, c->h2);
+  if (done && c->iterate && rad_hdf_has(r.root, "iterate"))
+    done = read_iterate(r.root, c->iterate, origin->mesh->n_point, e);
+  return end(path, &r, done, e);
 }
 
 enum rad_code rad_checkpoint_read_stage(const char *path, const struct rad_origin *origin,
                                         struct rad_stage *stage, struct rad_error *e) {
-  hid_t file, root;
+  struct reading r;
   *stage = (struct rad_stage){0};
-  enum rad_code code = rad_origin_open(path, "checkpoint", origin, &file, &root, e);
+  enum rad_code code = begin(path, origin, &r, e);
   if (code)
     return code;
-  struct rad_hdf_silence silence;
-  rad_hdf_silence_begin(&silence);
-  bool done = !rad_hdf_has(root, "stage") || rad_stage_read(root, stage);
-  H5Gclose(root);
-  H5Fclose(file);
-  rad_hdf_silence_end(&silence);
-  return done ? RAD_OK : fail_to_fit(path, e);
+  return end(path, &r, !rad_hdf_has(r.root, "stage") || rad_stage_read(r.root, stage), e);
 }

@@ -35,24 +35,6 @@ static int by_place(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* From a place of the small file to the same place of the large one. */
-static int copy(int from, int to, off_t at, off_t end) {
-  char *bytes = malloc(STEP);
-  int cause = bytes ? 0 : ENOMEM;
-  while (!cause && at < end) {
-    const ssize_t n = pread(from, bytes, end - at < STEP ? (size_t)(end - at) : STEP, at);
-    if (n <= 0)
-      cause = n < 0 ? errno : EIO;
-    else if (lseek(to, at, SEEK_SET) < 0)
-      cause = errno;
-    else
-      cause = rad_write_all(to, bytes, (size_t)n);
-    at += n;
-  }
-  free(bytes);
-  return cause;
-}
-
 static int is_zero(const char *bytes, size_t n) {
   return n == 0 || (bytes[0] == 0 && memcmp(bytes, bytes + 1, n - 1) == 0);
 }
@@ -88,13 +70,13 @@ static int fill(int fd, void *context) {
   off_t at = 0;
   int cause = fstat(h->memory, &is) || ftruncate(fd, is.st_size) ? errno : 0;
   for (size_t i = 0; i < h->n_piece && !cause; i++) {
-    cause = copy(h->memory, fd, at, (off_t)h->piece[i].at);
+    cause = rad_copy_part(h->memory, fd, at, (off_t)h->piece[i].at);
     if (!cause)
       cause = put(fd, &h->piece[i]);
     at = (off_t)(h->piece[i].at + h->piece[i].bytes);
   }
   if (!cause)
-    cause = copy(h->memory, fd, at, is.st_size);
+    cause = rad_copy_part(h->memory, fd, at, is.st_size);
   return cause ? cause : rad_seal_write(fd, s->kind);
 }
 

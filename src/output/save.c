@@ -9,6 +9,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+enum { STEP = 1 << 20 };
+
 static const char *remedy(int cause) {
   switch (cause) {
   case ENOENT:
@@ -49,6 +51,23 @@ int rad_write_all(int fd, const void *bytes, size_t size) {
     }
   }
   return 0;
+}
+
+int rad_copy_part(int from, int to, off_t at, off_t end) {
+  char *bytes = malloc(STEP);
+  int cause = bytes ? 0 : ENOMEM;
+  while (!cause && at < end) {
+    const ssize_t n = pread(from, bytes, end - at < STEP ? (size_t)(end - at) : STEP, at);
+    if (n <= 0)
+      cause = n < 0 ? errno : EIO;
+    else if (lseek(to, at, SEEK_SET) < 0)
+      cause = errno;
+    else
+      cause = rad_write_all(to, bytes, (size_t)n);
+    at += n;
+  }
+  free(bytes);
+  return cause;
 }
 
 struct block {

@@ -3,6 +3,7 @@
 #define RAD_OUTPUT_SAVE_H
 
 #include <stddef.h>
+#include <sys/types.h>
 
 #include "base/error.h"
 
@@ -30,6 +31,9 @@ enum rad_code rad_save_by(const char *path, rad_save_filler *fill, void *context
 
 /* size bytes to fd, from its position on; returns 0 or an errno. */
 int rad_write_all(int fd, const void *bytes, size_t size);
+
+/* Bytes at .. end - 1 of one file to the same place of another; returns 0 or an errno. */
+int rad_copy_part(int from, int to, off_t at, off_t end);
 
 /* The error that rad_save would give if it were called now, as far as can be told: before hours of
  * work are to be saved. */

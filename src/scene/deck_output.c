@@ -73,13 +73,19 @@ static enum rad_code read_fields(struct rad_yaml *y, const struct rad_yaml_node 
 static enum rad_code read_camera(struct rad_yaml *y, const struct rad_yaml_node *node,
                                  struct rad_deck_camera *c) {
   enum { FROM, TO, UP, ANGLE, N };
-  static const struct rad_key key[N] = {[FROM] = {.name = "from"},
-                                        [TO] = {.name = "to"},
-                                        [UP] = {.name = "up"},
-                                        [ANGLE] = {.name = "angle"}};
-  static const struct rad_range any = {-INFINITY, INFINITY, false}, angle = {0.1, 170, false};
+  static const struct rad_key key[N] = {
+      [FROM] = {.name = "from"},
+      [TO] = {.name = "to"},
+      [UP] = {.name = "up"},
+      [ANGLE] = {.name = "angle",
+                 .type = RAD_KEY_REAL,
+                 .offset = offsetof(struct rad_deck_camera, angle),
+                 .range = {0.1, 170, false}},
+  };
+  static const struct rad_range any = {-INFINITY, INFINITY, false};
   double *point[] = {c->from, c->to, c->up};
   c->given = node != NULL;
+  c->angle = NAN;
   const struct rad_yaml_node *seen[N] = {NULL};
   enum rad_code code =
       node ? rad_read_map(y, node, "section 'output.camera'", N, key, c, seen) : RAD_OK;
@@ -89,8 +95,7 @@ static enum rad_code read_camera(struct rad_yaml *y, const struct rad_yaml_node 
     if (!code && seen[k])
       code = rad_read_reals(y, seen[k], key[k].name, 3, any, point[k]);
   }
-  c->angle = NAN;
-  return code || !seen[ANGLE] ? code : rad_read_real(y, seen[ANGLE], "angle", angle, &c->angle);
+  return code;
 }
 
 /* In the working folder: runs/corner.yml gives corner.vtkhdf. */

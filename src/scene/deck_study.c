@@ -162,32 +162,23 @@ static struct trial trial_of(struct rad_yaml *y, struct rad_yaml_node *root, con
   return t;
 }
 
-/* Nodes may be NULL: not given. */
-static enum rad_code read_options(struct rad_yaml *y, const struct rad_yaml_node *stability,
-                                  const struct rad_yaml_node *values,
-                                  const struct rad_yaml_node *repeats,
-                                  struct rad_deck_study *study) {
-  static const char *const choice[] = {"auto", "solution", "reported", NULL};
-  enum rad_code code =
-      stability ? rad_read_bool(y, stability, "stability", &study->stability) : RAD_OK;
-  int chosen = RAD_VALUES_AUTO;
-  if (!code && values)
-    code = rad_read_choice(y, values, "values", choice, &chosen);
-  study->values = (enum rad_study_values)chosen;
-  if (!code && repeats)
-    code = rad_read_whole(y, repeats, "repeats", (struct rad_range){1, MAX_REPEATS, false},
-                          &study->repeats);
-  return code;
-}
-
 enum rad_code rad_deck_read_study(struct rad_yaml *y, struct rad_yaml_node *root,
                                   struct rad_yaml_node *node, struct rad_deck *deck) {
   enum { VARY, REFERENCE, STABILITY, VALUES, REPEATS, N };
-  static const struct rad_key key[N] = {[VARY] = {.name = "vary"},
-                                        [REFERENCE] = {.name = "reference"},
-                                        [STABILITY] = {.name = "stability"},
-                                        [VALUES] = {.name = "values"},
-                                        [REPEATS] = {.name = "repeats"}};
+  static const char *const values[] = {"auto", "solution", "reported", NULL};
+  static const struct rad_key key[N] = {
+      [VARY] = {.name = "vary"},
+      [REFERENCE] = {.name = "reference"},
+      [STABILITY] = {.name = "stability"},
+      [VALUES] = {.name = "values",
+                  .type = RAD_KEY_CHOICE,
+                  .offset = offsetof(struct rad_deck_study, values),
+                  .choice = values}, /* in the order of rad_study_values */
+      [REPEATS] = {.name = "repeats",
+                   .type = RAD_KEY_WHOLE,
+                   .offset = offsetof(struct rad_deck_study, repeats),
+                   .range = {1, MAX_REPEATS, false}},
+  };
   struct rad_deck_study *study = &deck->study;
   const struct rad_yaml_node *seen[N];
   if (!node)
@@ -201,8 +192,8 @@ enum rad_code rad_deck_read_study(struct rad_yaml *y, struct rad_yaml_node *root
   if (!code && !seen[VARY])
     return rad_yaml_fail(y, node,
                          "the study has no 'vary'; give the keys to vary and their values");
-  if (!code)
-    code = read_options(y, seen[STABILITY], seen[VALUES], seen[REPEATS], study);
+  if (!code && seen[STABILITY])
+    code = rad_read_bool(y, seen[STABILITY], "stability", &study->stability);
   if (!code)
     code = read_vary(y, seen[VARY], study);
   if (!code && seen[REFERENCE])

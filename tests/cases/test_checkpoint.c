@@ -350,7 +350,7 @@ START_TEST(stage_refused) {
   struct deck_text *d = adaptive_deck(&adaptive_runs[1]);
   begin_folder();
   solve(d, NULL, &a);
-  struct rad_stage *stage = &a.adaptive.last[1];
+  struct rad_stage *stage = &a.adaptive.stage;
   struct rad_leaf *leaf = &stage->leaf[stage->n_leaf / 2], good = *leaf;
   leaf->phi[1] = 0.5 * (leaf->phi[0] + leaf->phi[1]);
   check_stage_refused(d, &a);

@@ -12,6 +12,7 @@ import paper_quadrature as quadrature
 from paper_exponents import LINES, exact_and_measured, of_the_paper
 from paper_mesh import place
 from paper_runs import Runs, Study
+from report_context import grid
 
 PAPER = json.loads(Path(__file__).with_name("paper.json").read_text())
 RHO_S2, EMISSION_S2 = np.array([0.5, 1.0, 0.25]), np.array([1.0, 0.2, 0.2])
@@ -31,14 +32,9 @@ class Table:
 
     def page(self) -> str:
         """As HTML."""
-
-        def row(cells: list[str], tag: str) -> str:
-            return "<tr>" + "".join(f"<{tag}>{html.escape(c)}</{tag}>" for c in cells) + "</tr>"
-
-        body = "\n".join(row(cells, "td") for cells in self.rows)
         notes = "".join(f"<p>{html.escape(plain(note))}</p>" for note in self.notes)
         head = f"<h3>{html.escape(self.title)}</h3>"
-        return f"{head}\n<table>\n{row(self.head, 'th')}\n{body}\n</table>\n{notes}"
+        return f"{head}\n{grid(self.head, self.rows)}\n{notes}"
 
 
 def plain(markdown: str) -> str:

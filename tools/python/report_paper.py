@@ -2,7 +2,6 @@
 the made parts of docs/paper.md (tools/paper)."""
 
 import argparse
-import base64
 import html
 import os
 import re
@@ -17,6 +16,7 @@ import report_paper_solutions as solutions
 import view
 from paper_runs import Runs
 from paper_tables import Table
+from report_context import Section, image
 from result import Problem, run
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -48,10 +48,7 @@ FIGURES = [
 def drawn(figure: Figure, runs: Runs, full: bool, folder: Path) -> Path:
     """The figure as an SVG file, the same bytes for the same numbers."""
     path = folder / f"paper_{figure.name}.svg"
-    with view.plt.rc_context({"svg.hashsalt": "polyrad"}):
-        picture = figure.draw(runs, full)
-        picture.savefig(path, dpi=150, facecolor="white", metadata={"Date": None})
-        view.plt.close(picture)
+    view.save_svg(figure.draw(runs, full), path)
     return path
 
 
@@ -98,17 +95,12 @@ def contents(runs: Runs, full: bool, page: str) -> tuple[str, list[Path]]:
     parts = [table.page() for table in all_tables(runs, full).values()]
     files = [drawn(figure, runs, full, runs.folder) for figure in FIGURES]
     for figure, file in zip(FIGURES, files, strict=True):
-        data = base64.b64encode(file.read_bytes()).decode()
-        text = html.escape(f"{figure.title}. {figure.caption}")
-        image = f'<img alt="{text}" src="data:image/svg+xml;base64,{data}">'
-        parts.append(f"<figure>{image}<figcaption>{text}</figcaption></figure>")
+        parts.append(image(file, f"{figure.title}. {figure.caption}"))
     return "\n".join([*parts, differences(page)]), files
 
 
 def section(ctx):
     """The section of tools/report."""
-    from report_context import Section
-
     folder = Path(ctx.folder) / "paper"
     folder.mkdir(parents=True, exist_ok=True)
     runs = Runs(Path(ctx.polyrad), Path(ctx.root), folder)

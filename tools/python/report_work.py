@@ -109,24 +109,22 @@ def style(name: str) -> dict:
 
 def chart(title: str, curves: list[Curve], floor: float, path: Path) -> None:
     """Three panels; the work grows to the right, and what lies below and left of others is better."""
-    with view.plt.rc_context({"svg.hashsalt": "polyrad"}):
-        figure, panels = view.plt.subplots(1, 3, figsize=(14, 5.2), sharey=True, layout="constrained")
-        for panel, (work, label) in zip(panels, WORK.items(), strict=True):
-            for curve in curves:
-                panel.loglog(curve.work[work], curve.error, label=curve.name, **style(curve.name))
-            panel.axhline(floor, color="0.7", lw=0.8, ls="--")
-            panel.set_xlabel(label)
-            panel.grid(color="0.9", lw=0.6)
-            panel.spines[["top", "right"]].set_visible(False)
-        best = cheapest(curves, "seconds_total", floor)
-        for error, _, seconds in best:
-            panels[0].plot(seconds, error, marker="o", ms=11, mfc="none", mec="black", mew=1.2, ls="none")
-        panels[0].set_ylabel("largest error  [W/m²]")
-        handles, labels = panels[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside right upper", frameon=False, fontsize=8)
-        figure.suptitle(title)
-        figure.savefig(path, facecolor="white", metadata={"Date": None})
-        view.plt.close(figure)
+    figure, panels = view.plt.subplots(1, 3, figsize=(14, 5.2), sharey=True, layout="constrained")
+    for panel, (work, label) in zip(panels, WORK.items(), strict=True):
+        for curve in curves:
+            panel.loglog(curve.work[work], curve.error, label=curve.name, **style(curve.name))
+        panel.axhline(floor, color="0.7", lw=0.8, ls="--")
+        panel.set_xlabel(label)
+        panel.grid(color="0.9", lw=0.6)
+        panel.spines[["top", "right"]].set_visible(False)
+    best = cheapest(curves, "seconds_total", floor)
+    for error, _, seconds in best:
+        panels[0].plot(seconds, error, marker="o", ms=11, mfc="none", mec="black", mew=1.2, ls="none")
+    panels[0].set_ylabel("largest error  [W/m²]")
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside right upper", frameon=False, fontsize=8)
+    figure.suptitle(title)
+    view.save_svg(figure, path)
 
 
 def runs_of(ctx: Context, scene: str) -> tuple[list[Curve], float, Result]:
