@@ -1,11 +1,13 @@
 """The container recipe, as far as it can be tested without a container engine: its instructions, its
-packages against tools/setup, apt-get and the program's own libraries."""
+packages against tools/setup, apt-get and the program's own libraries. POLYRAD_TEST_FULL=1, with buildah
+and debootstrap, as root: the image is built from a Debian that is fetched here, and runs a deck."""
 
 import os
 import pathlib
 import re
 import shutil
 import subprocess
+import tempfile
 import unittest
 
 SOURCE, PROGRAM = pathlib.Path(os.environ["POLYRAD_SOURCE"]), os.environ["POLYRAD"]
@@ -44,8 +46,8 @@ class Container(unittest.TestCase):
         setup = (SOURCE / "tools/setup").read_text()
         wanted = set(re.search(r"missing=\(\)\n(.*?)if \[", setup, re.DOTALL)[1].split("missing+=(")[1:])
         wanted = {p for part in wanted for p in part.split(")")[0].split()}
-        # h5diff and Check are for tests
-        self.assertEqual(set(packages()[0]), wanted - {"hdf5-tools", "check"})
+        # h5diff and Check are for tests; git tells the version
+        self.assertEqual(set(packages()[0]), wanted - {"hdf5-tools", "check"} | {"git"})
 
     @unittest.skipUnless(shutil.which("apt-get") and simulate(["libc6"]).returncode == 0,
                          "no apt-get with lists of packages here")
@@ -71,6 +73,37 @@ class Container(unittest.TestCase):
             owner = subprocess.run(["dpkg", "-S", real], capture_output=True, text=True).stdout.split(":")[0]
             # OpenBLAS stands behind the names libblas and libopenblas by Debian's alternatives
             self.assertTrue(owner in packages()[1] or "openblas" in owner, f"{name} is of {owner or real}")
+
+    @unittest.skipUnless(os.environ.get("POLYRAD_TEST_FULL"), "POLYRAD_TEST_FULL=1 builds the image")
+    @unittest.skipUnless(shutil.which("buildah") and shutil.which("debootstrap") and os.geteuid() == 0,
+                         "no buildah and debootstrap, or not root")
+    def test_built(self):
+        with tempfile.TemporaryDirectory() as folder:
+            storage = {**os.environ, "BUILDAH_ISOLATION": "chroot", "STORAGE_DRIVER": "vfs"}
+
+            def buildah(*words):
+                made = subprocess.run(["buildah", "--root", f"{folder}/storage", "--runroot", f"{folder}/run", *words],
+                                      env=storage, capture_output=True, text=True)
+                self.assertEqual(made.returncode, 0, made.stdout + made.stderr)
+                return made.stdout.strip()
+
+            debian, source, work = f"{folder}/debian", f"{folder}/source", f"{folder}/work"
+            subprocess.run(["debootstrap", "--variant=minbase", "bookworm", debian], check=True, capture_output=True)
+            subprocess.run(["git", "clone", "--quiet", SOURCE, source], check=True)
+            shutil.copytree(SOURCE / "inputs", f"{work}/inputs")
+            base = buildah("from", "scratch")
+            buildah("add", base, debian, "/")
+            buildah("commit", base, "docker.io/library/debian:12")
+            buildah("build", "--pull-never", "--tag", "polyrad", source)
+            image = buildah("from", "--pull-never", "polyrad")
+            said = buildah("run", image, "--", "polyrad", "--version")
+            commit = subprocess.run(["git", "-C", source, "describe", "--always"], check=True,
+                                    capture_output=True, text=True).stdout.strip()
+            self.assertIn(f"({commit})", said)
+            said = buildah("run", "--volume", f"{work}:/work", image, "--", "polyrad", "run",
+                           "inputs/cube_corner.yml", "-o", "cube_corner.vtkhdf")
+            self.assertIn("written  cube_corner.vtkhdf", said)
+            self.assertTrue(os.path.getsize(f"{work}/cube_corner.vtkhdf") > 10000)
 
 
 if __name__ == "__main__":
