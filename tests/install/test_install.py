@@ -14,7 +14,7 @@ import tempfile
 import unittest
 
 BUILD, SOURCE = (pathlib.Path(os.environ[k]) for k in ("POLYRAD_BUILD", "POLYRAD_SOURCE"))
-CC = os.environ.get("CC", "cc")
+CC = shlex.split(os.environ.get("CC") or "cc")
 CALLS = {"create", "solve", "get_summary", "evaluate", "evaluate_at", "surface_means", "surface_heat",
          "view_factors", "error_text", "warning", "free", "version"}
 
@@ -64,22 +64,22 @@ class Install(unittest.TestCase):
         here = "--define-variable=prefix=" + str(self.prefix)
         flags = self.pkg_config(here, "--cflags", "--libs")
         strict = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]
-        run(CC, *strict, source, *flags, "-o", program)
+        run(*CC, *strict, source, *flags, "-o", program)
         shared = self.check_example(program)
         # OpenBLAS lists libgfortran, for its static library alone; it is there only with a Fortran compiler
         parts = [f for f in self.pkg_config("--static", "--libs") if f not in ("-lpolyrad", "-lgfortran")]
-        run(CC, *strict, source, *self.pkg_config(here, "--cflags"), self.static, *parts, "-o", program)
+        run(*CC, *strict, source, *self.pkg_config(here, "--cflags"), self.static, *parts, "-o", program)
         self.assertNotIn("libpolyrad", run("ldd", program))
         self.assertEqual(self.check_example(program), shared)
 
     def test_header_alone(self):
         text = '#include "polyrad.h"\n#include "polyrad.h"\nint use(polyrad *p);\n' \
                'int use(polyrad *p) { return polyrad_solve(p, 0) == POLYRAD_OK; }\n'
-        for compiler, standard in ((CC, "c99"), (CC, "c17"), ("c++", "c++11"), ("c++", "c++17")):
+        for compiler, standard in ((CC, "c99"), (CC, "c17"), (["c++"], "c++11"), (["c++"], "c++17")):
             with self.subTest(compiler=compiler, standard=standard):
-                if not shutil.which(compiler):
-                    self.skipTest(compiler + " is not installed")
-                run(compiler, "-x", "c++" if "++" in standard else "c", "-std=" + standard, "-Wall", "-Wextra",
+                if not shutil.which(compiler[0]):
+                    self.skipTest(compiler[0] + " is not installed")
+                run(*compiler, "-x", "c++" if "++" in standard else "c", "-std=" + standard, "-Wall", "-Wextra",
                     "-Wpedantic", "-Werror", "-fsyntax-only", "-I", self.prefix / "include", "-", input=text)
 
     def test_only_the_api_is_exported(self):
