@@ -146,10 +146,12 @@ static double *polynomials(const struct work *w, int cluster, int rows) {
       rad_leaf_values(p, w->tree, c, v);
   } else if (c->child < 0) {
     double *scratch = rad_alloc(w->scratch, sizeof(double));
-    if (scratch)
+    if (scratch) {
       rad_leaf_moments(p, w->tree, c, w->goal->tolerance, v, scratch);
-    else
-      w->basis->failed = 1;
+    } else {
+      free(v);
+      v = NULL;
+    }
     free(scratch);
   } else {
     for (int i = c->child; i < c->child + 2; i++) {
