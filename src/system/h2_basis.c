@@ -266,14 +266,10 @@ enum rad_code rad_basis_build(const struct rad_tree *tree, const struct rad_basi
   struct work work = {tree, goal, basis, node, most * node}, *w = &work;
   struct rad_progress *progress = tree->mesh->scene->progress;
   rad_progress_begin(progress, "bases", n_triangle);
-#pragma omp parallel default(none) shared(n_triangle, w, progress)
-#pragma omp single
+#pragma omp parallel for schedule(dynamic, 1) default(none) shared(n_triangle, w, progress)
   for (int t = 0; t < n_triangle; t++) {
-#pragma omp task default(none) firstprivate(t, w, progress)
-    {
-      shrink(w, t, NULL);
-      rad_progress_add(progress, 1);
-    }
+    shrink(w, t, NULL);
+    rad_progress_add(progress, 1);
   }
   if (basis->failed)
     return rad_fail_memory(e, "the bases of the clusters", 0);
