@@ -30,8 +30,8 @@ class Small(Context):
     """Each study with a few quick runs."""
 
     def study(self, section, deck, name, settings=None):
-        kind = deck.stem.split("_")[1] if section == "work" else None
-        more = ["study.repeats=1", "study.reference.tolerance=1e-3", SMALL[kind]] if kind else []
+        vary = SMALL["adaptive" if "_adaptive_" in name else "meshes"]
+        more = ["study.repeats=1", "study.reference.tolerance=1e-3", vary] if section == "work" else []
         return super().study(section, deck, name, [*(settings or []), *more])
 
 
@@ -113,7 +113,7 @@ class Report(unittest.TestCase):
         for deck in sorted((ROOT / "inputs/studies/work").glob("*.yml")):
             listed = subprocess.run([POLYRAD, "study", deck, "--tasks"], capture_output=True, text=True, check=False)
             self.assertEqual(listed.returncode, 0, listed.stderr)
-            self.assertIn(deck.stem.split("_")[0], report_work.SCENES)
+            self.assertIn(deck.stem, report_work.SCENES)
             self.assertIn(f"polyrad study inputs/studies/work/{deck.name}", deck.read_text())
 
     def test_wrong_folder(self):

@@ -1,14 +1,13 @@
 """Runs of polyrad for the paper's tables and figures: results kept in a folder, one a name."""
 
-import os
-import subprocess
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
+from command import output_of
 from paper_mesh import Solution
-from result import Problem, Result
+from result import Result
 
 SIDE = 100  # of the grid of a sub-triangle on which runs are compared (theory 7)
 
@@ -41,13 +40,6 @@ class Runs:
     folder: Path
     done: set = field(default_factory=set)
 
-    def call(self, *arguments) -> str:
-        command = [str(self.polyrad), *map(str, arguments)]
-        ended = subprocess.run(command, capture_output=True, text=True, env=os.environ, check=False)
-        if ended.returncode:
-            raise Problem(f"polyrad {' '.join(command[1:3])}: {ended.stderr.strip()}")
-        return ended.stdout
-
     def deck(self, name: str) -> Path:
         return self.root / "inputs/studies" / name
 
@@ -55,7 +47,7 @@ class Runs:
         """polyrad run, once for each name."""
         path = self.folder / f"{name}.vtkhdf"
         if name not in self.done:
-            self.call("run", deck, "-o", path, "--quiet", *settings)
+            output_of(self.polyrad, "run", deck, "-o", path, "--quiet", *settings)
             self.done.add(name)
         return Result(str(path))
 
@@ -75,7 +67,7 @@ class Runs:
         study = Study(numbers, [], [])
         for i in range(1, len(numbers) + 1):
             path = self.folder / "task.h5"
-            self.call("study", *common, "--task", f"{i}/{len(numbers)}", "-o", path)
+            output_of(self.polyrad, "study", *common, "--task", f"{i}/{len(numbers)}", "-o", path)
             task = Result(str(path)).file["polyrad/task"]
             study.unknowns.append(int(task.attrs["unknowns"]))
             study.value.append(task["value"][()].reshape(-1, 6, SIDE, SIDE, bands))

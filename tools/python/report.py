@@ -31,13 +31,17 @@ def page(sections: dict[str, Section]) -> str:
     )
 
 
+def write_whole(path: Path, data: bytes) -> None:
+    """No reader ever sees half of it."""
+    part = path.with_suffix(".part")
+    part.write_bytes(data)
+    part.replace(path)
+
+
 def publish(context: Context, figures: list[Path]) -> None:
     """The figures of a report in docs/img, where the documents show them."""
     for figure in figures:
-        shown = context.docs / figure.name
-        part = shown.with_suffix(".part")
-        part.write_bytes(figure.read_bytes())
-        part.replace(shown)
+        write_whole(context.docs / figure.name, figure.read_bytes())
 
 
 def options() -> argparse.Namespace:
@@ -63,9 +67,7 @@ def main() -> None:
         publish(context, [path for section in sections.values() for path in section.figures])
     given.folder.mkdir(parents=True, exist_ok=True)
     path = given.folder / "report.html"
-    written = path.with_suffix(".part")
-    written.write_text(page(sections), encoding="utf-8")
-    written.replace(path)
+    write_whole(path, page(sections).encode())
     print(f"written {path}")
 
 

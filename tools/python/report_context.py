@@ -2,13 +2,12 @@
 
 import base64
 import html
-import os
-import subprocess
 import sys
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from result import Problem, Result
+from command import output_of
+from result import Result
 
 
 @dataclass
@@ -29,13 +28,6 @@ class Context:
     known: Path | None = None
     docs: Path | None = None
 
-    def call(self, *command) -> str:
-        words = [str(word) for word in command]
-        ended = subprocess.run(words, capture_output=True, text=True, env=os.environ, check=False)
-        if ended.returncode:
-            raise Problem(f"{' '.join(words)}: {ended.stderr.strip()[-400:]}")
-        return ended.stdout
-
     def place(self, section: str, name: str) -> tuple[Path, bool]:
         """A file of a section, and whether it is there already: here, or in the known report."""
         path = self.folder / section / name
@@ -44,12 +36,12 @@ class Context:
         return (known, True) if known and known.is_file() else (path, False)
 
     def study(self, section: str, deck: Path, name: str, settings: list[str] | None = None) -> Result:
-        """A study's file; some of its runs may have failed (exit code 1), which its table shows."""
+        """A study's file; its table shows which of its runs have failed."""
         path, is_there = self.place(section, f"{name}.h5")
         if not is_there:
             print(f"report: {deck.relative_to(self.root)} {' '.join(settings or [])}", file=sys.stderr)
             given = [part for setting in settings or [] for part in ("--set", setting)]
-            self.call(self.polyrad, "study", deck, "-o", path, "--quiet", *given)
+            output_of(self.polyrad, "study", deck, "-o", path, "--quiet", *given)
         return Result(str(path))
 
 

@@ -3,6 +3,7 @@
 import sys
 from pathlib import Path
 
+from command import output_of
 from report_context import Context, Section, image
 
 CAPTION = (
@@ -14,9 +15,9 @@ CAPTION = (
 def section(ctx: Context) -> Section:
     data, is_there = ctx.place("quadrature", "quadrature.csv")
     if not is_there:
-        data.write_text(ctx.call(ctx.polyrad.parent / "tests/bench_quadrature"))
+        data.write_text(output_of(ctx.polyrad.parent / "tests/bench_quadrature"))
     path = ctx.folder / "quadrature" / "quadrature.svg"
     path.parent.mkdir(parents=True, exist_ok=True)
     plot = Path(__file__).parent / "plot_quadrature.py"
-    ctx.call(sys.executable, plot, data, "-o", path)
+    output_of(sys.executable, plot, data, "-o", path)
     return Section("Quadrature", image(path, CAPTION), [path])

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from command import output_of
 from report_context import Context, Section, grid, image, provenance
 from result import Problem, Result, names_in
 from study_table import table
@@ -49,7 +50,7 @@ def figure(ctx: Context, entry: dict[str, str], studies: list[Result]) -> Path |
     path.parent.mkdir(parents=True, exist_ok=True)
     plot = Path(__file__).parent / "plot_study.py"
     try:
-        ctx.call(sys.executable, plot, *[s.path for s in studies], *shlex.split(entry["plot"]), "-o", path)
+        output_of(sys.executable, plot, *[s.path for s in studies], *shlex.split(entry["plot"]), "-o", path)
     except Problem as problem:
         print(f"report: no figure of {entry['id']}: {problem}", file=sys.stderr)
         return None

@@ -21,13 +21,13 @@ SCENES = {
 }
 LARGEST = {"corner": 1.30, "wedge": 1.79, "cube": 1.20, "blocker": 1.04, "cornell": 17.2}  # radiosity [W/m2]
 WORK = {"seconds_total": "time of a run [s]", "unknowns": "unknowns", "matrix_bytes": "bytes of the matrix"}
-# What --full adds to a deck, and a tolerance of the reference that is small enough for it.
-FULL = {
-    "corner": ("[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8]", "1e-10"),
-    "wedge": ("[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7]", "1e-8"),
-    "cube": ("[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6]", "1e-7"),
-    "blocker": ("[1e-2, 1e-3, 1e-4, 1e-5]", "1e-6"),
-    "cornell": ("[1e-1, 3e-2, 1e-2, 3e-3]", "3e-4"),
+# Tolerances of the adaptive runs; the last one with --full only, and then a smaller one of the reference.
+TOLERANCES = {
+    "corner": ([1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8], 1e-10),
+    "wedge": ([1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7], 1e-8),
+    "cube": ([1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6], 1e-7),
+    "blocker": ([1e-2, 1e-3, 1e-4, 1e-5], 1e-6),
+    "cornell": ([1e-1, 3e-2, 1e-2, 3e-3], 3e-4),
 }
 
 
@@ -129,27 +129,25 @@ def chart(title: str, curves: list[Curve], floor: float, path: Path) -> None:
 
 def runs_of(ctx: Context, scene: str) -> tuple[list[Curve], float, Result]:
     """All curves of a scene, the bound of its reference, and one of its studies."""
-    decks = ctx.root / "inputs/studies/work"
-    tolerances, reference = FULL[scene]
-    more = [f"study.reference.tolerance={reference}"] if ctx.full else []
+    deck = ctx.root / f"inputs/studies/work/{scene}.yml"
+    tolerances, reference = TOLERANCES[scene]
+    more = [f"study.reference.tolerance={reference:g}"] if ctx.full else []
+    adaptive = "study.vary={accuracy.tolerance: %s}" % tolerances[: None if ctx.full else -1]
     tail = "_full" if ctx.full else ""
     curves: list[Curve] = []
     for values, mark in (("solution", ", u_h"), ("reported", ", u*")):
-        deck = decks / f"{scene}_meshes.yml"
-        study = ctx.study("work", deck, f"{scene}_{values}{tail}", [f"study.values={values}", *more])
+        settings = [f"study.values={values}", *more]
+        study = ctx.study("work", deck, f"{scene}_{values}{tail}", settings)
         names = [name_of(method) for method in names_in(table(study)["method"])]
         curves += curves_of(study, mark, names)
-        settings = [f"study.values={values}", *more]
-        if ctx.full:
-            settings.append(f"study.vary.accuracy.tolerance={tolerances}")
-        adaptive = ctx.study("work", decks / f"{scene}_adaptive.yml", f"{scene}_adaptive_{values}{tail}", settings)
-        curves += curves_of(adaptive, mark, ["adaptive"] * len(table(adaptive)["error"]))
-    tolerance = reference if ctx.full else words_of_reference(decks / f"{scene}_adaptive.yml")
-    return curves, float(tolerance) * LARGEST[scene], adaptive
+        study = ctx.study("work", deck, f"{scene}_adaptive_{values}{tail}", [*settings, adaptive])
+        curves += curves_of(study, mark, ["adaptive"] * len(table(study)["error"]))
+    tolerance = reference if ctx.full else tolerance_of_reference(deck)
+    return curves, tolerance * LARGEST[scene], study
 
 
-def words_of_reference(deck: Path) -> str:
-    return re.search(r"reference: \{tolerance: ([\d.e-]+)\}", deck.read_text())[1]
+def tolerance_of_reference(deck: Path) -> float:
+    return float(re.search(r"reference: \{tolerance: ([\d.e-]+)\}", deck.read_text())[1])
 
 
 def scene_part(ctx: Context, scene: str) -> tuple[str, Path]:
