@@ -190,6 +190,7 @@ static void adopt(struct rad_case *c) {
   c->report.converged = a->mesh && !a->reason[0];
   c->seconds_assemble = a->seconds_assemble;
   c->seconds_estimate = a->seconds_estimate;
+  c->seconds_levels = a->seconds_before;
   a->mesh = NULL;
   a->rules = (struct rad_rules){0};
   a->dense = (struct rad_dense){0};

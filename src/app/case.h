@@ -46,6 +46,7 @@ struct rad_case {
   double compression;           /* tolerance of a hierarchical matrix made by hand */
   double memory_limit;          /* bytes for the matrix and what belongs to it; 0: what there is */
   double seconds_scene, seconds_mesh, seconds_assemble, seconds_estimate;
+  double seconds_levels; /* adaptive levels before the last; the other times are of the last one */
 };
 
 /* deck -> scene -> visibility -> plan -> mesh; refuses what does not fit into memory before

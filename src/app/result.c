@@ -169,7 +169,8 @@ static void set_diagnostics(const struct rad_case *c, struct rad_diagnostics *d)
                                 .seconds_assemble = c->seconds_assemble,
                                 .seconds_factor = c->report.seconds_factor,
                                 .seconds_solve = c->report.seconds_solve,
-                                .seconds_estimate = c->seconds_estimate};
+                                .seconds_estimate = c->seconds_estimate,
+                                .seconds_levels = c->seconds_levels};
 }
 
 /* The first number of a list of triples, or NULL. */

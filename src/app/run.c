@@ -192,10 +192,14 @@ static void print_solution(const struct rad_case *c, const struct rad_result *r,
 
 static void print_time(const struct rad_result *r, FILE *out) {
   const struct rad_diagnostics *d = &r->diagnostics;
-  fprintf(out,
-          "  time     %.3f s: assemble %.3f, factor %.3f, solve %.3f, output %.3f; %d threads\n",
-          d->seconds_total, d->seconds_assemble, d->seconds_factor, d->seconds_solve,
-          d->seconds_output, r->threads);
+  fprintf(out, "  time     %.3f s: ", d->seconds_total);
+  if (d->seconds_levels > 0)
+    fprintf(out, "levels before %.3f, ", d->seconds_levels);
+  fprintf(out, "assemble %.3f, factor %.3f, solve %.3f, ", d->seconds_assemble, d->seconds_factor,
+          d->seconds_solve);
+  if (d->seconds_estimate > 0)
+    fprintf(out, "estimate %.3f, ", d->seconds_estimate);
+  fprintf(out, "output %.3f; %d threads\n", d->seconds_output, r->threads);
 }
 
 /* Net heat and temperatures of a thermal scene, and whether they close. */

@@ -69,8 +69,8 @@ static void say_list(FILE *out, hid_t root, const char *name, int n_column,
 }
 
 static void say_diagnostics(FILE *out, hid_t root) {
-  static const char *const phase[] = {"scene", "mesh",     "assemble", "factor",
-                                      "solve", "estimate", "output",   "total"};
+  static const char *const phase[] = {"scene", "mesh",     "levels", "assemble", "factor",
+                                      "solve", "estimate", "output", "total"};
   if (!rad_hdf_has(root, "diagnostics"))
     return;
   const hid_t at = H5Gopen2(root, "diagnostics", H5P_DEFAULT);
@@ -93,7 +93,8 @@ static void say_diagnostics(FILE *out, hid_t root) {
   for (size_t k = 0; k < sizeof phase / sizeof *phase; k++) {
     char name[32];
     snprintf(name, sizeof name, "seconds_%s", phase[k]);
-    fprintf(out, "  %-10s %10.3f s\n", phase[k], rad_hdf_get_number(at, name));
+    if (H5Aexists(at, name) > 0) /* files of older versions */
+      fprintf(out, "  %-10s %10.3f s\n", phase[k], rad_hdf_get_number(at, name));
   }
   H5Gclose(at);
 }

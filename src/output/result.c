@@ -338,6 +338,7 @@ static void set_reals(struct rad_hdf *h, hid_t group, const struct rad_diagnosti
       {"seconds_factor", d->seconds_factor},
       {"seconds_solve", d->seconds_solve},
       {"seconds_estimate", d->seconds_estimate},
+      {"seconds_levels", d->seconds_levels},
       {"seconds_output", d->seconds_output},
       {"seconds_total", d->seconds_total},
   };

@@ -38,7 +38,7 @@ struct rad_diagnostics {
   double matrix_bytes, peak_memory_bytes;
   int64_t kernel_values, pairs_near, pairs_far, pairs_skipped;
   double seconds_scene, seconds_mesh, seconds_assemble, seconds_factor, seconds_solve,
-      seconds_estimate, seconds_output, seconds_total;
+      seconds_estimate, seconds_levels, seconds_output, seconds_total;
 };
 
 /* Arrays [.., n_band] are row-major, n_band that of the scene. One that is NULL though it has rows

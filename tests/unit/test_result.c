@@ -102,12 +102,13 @@ END_TEST
 
 START_TEST(test_diagnostics) {
   static const char *const name[] = {
-      "unknowns",       "elements",         "kappa",          "error_indicator",
-      "error_bound",    "residual",         "iterations",     "condition_estimate",
-      "converged",      "matrix_bytes",     "pairs_near",     "peak_memory_bytes",
-      "kernel_values",  "pairs_far",        "pairs_skipped",  "seconds_scene",
-      "seconds_mesh",   "seconds_assemble", "seconds_factor", "seconds_solve",
-      "seconds_output", "seconds_estimate", "seconds_total",  "compression_error"};
+      "unknowns",         "elements",         "kappa",          "error_indicator",
+      "error_bound",      "residual",         "iterations",     "condition_estimate",
+      "converged",        "matrix_bytes",     "pairs_near",     "peak_memory_bytes",
+      "kernel_values",    "pairs_far",        "pairs_skipped",  "seconds_scene",
+      "seconds_mesh",     "seconds_assemble", "seconds_factor", "seconds_solve",
+      "seconds_output",   "seconds_estimate", "seconds_total",  "seconds_levels",
+      "compression_error"};
   char path[128];
   struct fixture *f = make(1, 1);
   write_ok(in_folder("a.vtkhdf", path), f);
