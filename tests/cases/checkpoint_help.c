@@ -24,6 +24,18 @@ void end_folder(void) { /* nothing but the checkpoint may have been left */
   strcpy(folder + strlen(folder) - 6, "XXXXXX");
 }
 
+size_t file_bytes(const char *name, char **bytes) {
+  FILE *f = fopen(name, "rb");
+  ck_assert_ptr_nonnull(f);
+  fseek(f, 0, SEEK_END);
+  size_t n = (size_t)ftell(f);
+  rewind(f);
+  *bytes = malloc(n);
+  ck_assert_uint_eq(fread(*bytes, 1, n, f), n);
+  fclose(f);
+  return n;
+}
+
 /* --- problems --- */
 
 static void square(struct deck_text *d, const char *name, double z, int up, double size,
@@ -140,10 +152,15 @@ void check_same(const struct rad_case *a, const struct rad_case *b) {
   CHECK_SAME(&x->bytes, &y->bytes, 1);
 }
 
-void check_counters(const struct rad_counters *a, const struct rad_counters *b) {
+static void check_count(const struct rad_counters *a, const struct rad_counters *b) {
   ck_assert_int_eq(a->kernel_values, b->kernel_values);
   ck_assert_int_eq(a->near, b->near);
   ck_assert_int_eq(a->far, b->far);
+}
+
+void check_counters(const struct rad_case *a, const struct rad_case *b) {
+  check_count(&a->dense.counters, &b->dense.counters);
+  check_count(&a->h2.counters, &b->h2.counters);
 }
 
 /* --- stopped by a signal, in a process of its own --- */

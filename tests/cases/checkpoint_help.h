@@ -14,6 +14,9 @@ extern char folder[], path[64];
 void begin_folder(void);
 void end_folder(void); /* nothing but the checkpoint may have been left */
 
+/* A whole file; the caller frees its bytes. */
+size_t file_bytes(const char *name, char **bytes);
+
 /* A scene, and further lines of its deck. */
 struct problem {
   void (*scene)(struct deck_text *);
@@ -40,8 +43,8 @@ int run_in_pieces(const struct deck_text *d, double seconds);
 
 #define CHECK_SAME(a, b, n) ck_assert_int_eq(memcmp(a, b, sizeof *(a) * (size_t)(n)), 0)
 
-/* Matrices, solutions and counters. */
+/* Matrices and solutions; what was counted while the matrices were made. */
 void check_same(const struct rad_case *a, const struct rad_case *b);
-void check_counters(const struct rad_counters *a, const struct rad_counters *b);
+void check_counters(const struct rad_case *a, const struct rad_case *b);
 
 #endif
