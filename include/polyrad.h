@@ -153,6 +153,10 @@ POLYRAD_API polyrad_status polyrad_evaluate_at(polyrad *p, int n, const int *tri
 /* Means over surfaces, each [n_surface, n_band] [W/m2], or NULL. */
 POLYRAD_API polyrad_status polyrad_surface_means(polyrad *p, double *radiosity, double *irradiance);
 
+/* Bounds of the errors of those means, each [n_surface, n_band] [W/m2], or NULL. */
+POLYRAD_API polyrad_status polyrad_surface_errors(polyrad *p, double *radiosity,
+                                                  double *irradiance);
+
 /**
  * Of a scene with emissivities, each [n_surface], or NULL.
  *

@@ -186,6 +186,7 @@ static void adopt(struct rad_case *c) {
   c->emission = a->emission;
   c->u = a->u;
   c->h = a->h;
+  c->means = a->means;
   c->report = a->report;
   c->report.converged = a->mesh && !a->reason[0];
   c->seconds_assemble = a->seconds_assemble;
@@ -196,6 +197,7 @@ static void adopt(struct rad_case *c) {
   a->dense = (struct rad_dense){0};
   a->h2 = (struct rad_h2){0};
   a->rho = a->emission = a->u = a->h = NULL;
+  a->means = (struct rad_means){0};
 }
 
 static struct rad_goal goal_of(const struct rad_case *c) {
@@ -280,9 +282,11 @@ static enum rad_code assemble(struct rad_case *c, struct rad_operator *k, struct
   return code;
 }
 
-enum rad_code rad_case_solve(struct rad_case *c, struct rad_error *e) {
-  if (c->is_adaptive)
-    return solve_adaptive(c, e);
+/* Without an estimate means are integrated to this part of the largest radiosity. */
+#define PLAIN_MEANS 1e-4
+
+/* The solution on a mesh made by hand. */
+static enum rad_code solve_by_hand(struct rad_case *c, struct rad_error *e) {
   const struct rad_deck_method *m = &c->deck.method;
   struct rad_operator k;
   double start = rad_seconds();
@@ -296,8 +300,20 @@ enum rad_code rad_case_solve(struct rad_case *c, struct rad_error *e) {
   rad_progress_phase(c->scene.progress, "solve");
   struct rad_solve_options o = {m->solver, m->solver_tolerance, m->bounces, c->rules.tolerance,
                                 &c->iterate};
-  code = rad_solve(&k, &o, c->scene.n_band, c->rho, c->emission, c->u, c->h, &c->report, e);
-  return code || !c->wants_bound ? code : estimate_by_hand(c, e);
+  return rad_solve(&k, &o, c->scene.n_band, c->rho, c->emission, c->u, c->h, &c->report, e);
+}
+
+enum rad_code rad_case_solve(struct rad_case *c, struct rad_error *e) {
+  if (c->is_adaptive)
+    return solve_adaptive(c, e);
+  enum rad_code code = solve_by_hand(c, e);
+  if (code)
+    return code;
+  if (c->wants_bound)
+    return estimate_by_hand(c, e);
+  rad_progress_phase(c->scene.progress, "means");
+  return rad_means_plain(c->mesh, c->u, c->deck.tolerance > 0 ? c->deck.tolerance : PLAIN_MEANS,
+                         &c->means, e);
 }
 
 void rad_case_warn(const struct rad_case *c, struct rad_notes *notes) {
@@ -326,6 +342,7 @@ void rad_case_free(struct rad_case *c) {
   rad_dense_free(&c->dense);
   rad_h2_free(&c->h2);
   rad_iterate_free(&c->iterate);
+  rad_means_free(&c->means);
   rad_rules_free(&c->rules);
   if (c->mesh)
     rad_mesh_free(c->mesh);

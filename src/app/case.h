@@ -33,6 +33,7 @@ struct rad_case {
   struct rad_plan plan;
   double *rho, *emission; /* owned [n_band, n_point] at the collocation points */
   double *u, *h;          /* owned [n_band, n_point] radiosity and irradiance [W/m2] */
+  struct rad_means means; /* of u*; where there is no estimate, without errors */
   struct rad_solve_report report;
   const char *restart;          /* borrowed: a checkpoint to go on from, or NULL */
   int n_part;                   /* the matrix is in that many files; 0: to be assembled */
@@ -84,8 +85,6 @@ enum rad_code rad_case_result(const struct rad_case *c, const char *command,
 /* Parts of rad_case_result. */
 enum rad_code rad_case_picture(const struct rad_case *c, struct rad_picture *picture,
                                struct rad_error *e);
-enum rad_code rad_case_means(const struct rad_case *c, double *radiosity, double *irradiance,
-                             struct rad_error *e);
 /* Where a point is in a triangle: mu counts from the vertex `base` that weighs most, as in
  * rad_patch, and is at least 1e-12: on an edge it means the limit from inside the face. */
 struct rad_place {

@@ -96,66 +96,54 @@ polyrad_status polyrad_evaluate_at(polyrad *p, int n, const int *triangle, const
   return evaluate_any(p, n, triangle, position, 0, radiosity, irradiance);
 }
 
-/* Area-weighted means of triangle means [n_triangle, n_band] over the caller's surfaces. */
-static void mean_of_surfaces(const polyrad *p, const double *value, double *area, double *mean) {
-  const struct rad_scene *s = &p->run.scene;
-  size_t nb = (size_t)s->n_band, n = (size_t)p->n_surface;
-  memset(area, 0, n * sizeof *area);
-  memset(mean, 0, n * nb * sizeof *mean);
-  for (int t = 0; t < s->n_triangle; t++) {
-    size_t to = (size_t)p->caller[s->triangle[t].surface];
-    area[to] += s->triangle[t].area;
-    for (size_t b = 0; b < nb; b++)
-      mean[to * nb + b] += s->triangle[t].area * value[(size_t)t * nb + b];
-  }
-  for (size_t i = 0; i < n * nb; i++)
-    mean[i] /= area[i / nb];
+/* Rows of the scene's surfaces in the caller's order; nothing if `to` is NULL. */
+static void to_caller(const polyrad *p, const double *row, int n_band, double *to) {
+  for (int s = 0; s < p->n_surface && to; s++)
+    for (int b = 0; b < n_band; b++)
+      to[p->caller[s] * n_band + b] = row[s * n_band + b];
 }
 
-polyrad_status polyrad_surface_means(polyrad *p, double *radiosity, double *irradiance) {
+static enum rad_code means_of_surfaces(polyrad *p, int errors, double *radiosity,
+                                       double *irradiance) {
+  const struct rad_scene *s = &p->run.scene;
+  struct rad_means m = {0};
+  enum rad_code code = rad_means_of_surfaces(s, &p->run.means, &m, &p->error);
+  if (!code) {
+    to_caller(p, errors ? m.error_radiosity : m.radiosity, s->n_band, radiosity);
+    to_caller(p, errors ? m.error_irradiance : m.irradiance, s->n_band, irradiance);
+  }
+  rad_means_free(&m);
+  return code;
+}
+
+static polyrad_status means_or_errors(polyrad *p, int errors, double *radiosity,
+                                      double *irradiance) {
   if (!p)
     return POLYRAD_INPUT;
   int before = rad_library_enter(p);
   enum rad_code code = rad_library_refuse_unsolved(p);
-  size_t n = (size_t)p->run.scene.n_triangle * (size_t)p->run.scene.n_band;
-  double *u = rad_alloc(n, sizeof(double)), *h = rad_alloc(n, sizeof(double));
-  double *area = rad_alloc((size_t)p->n_surface, sizeof(double));
-  if (!code && (!u || !h || !area))
-    code = rad_fail_memory(&p->error, "the means", 16.0 * (double)n);
   if (!code)
-    code = rad_case_means(&p->run, u, h, &p->error);
-  if (!code && radiosity)
-    mean_of_surfaces(p, u, area, radiosity);
-  if (!code && irradiance)
-    mean_of_surfaces(p, h, area, irradiance);
-  free(u);
-  free(h);
-  free(area);
+    code = means_of_surfaces(p, errors, radiosity, irradiance);
   return rad_library_leave(p, before, code);
+}
+
+polyrad_status polyrad_surface_means(polyrad *p, double *radiosity, double *irradiance) {
+  return means_or_errors(p, 0, radiosity, irradiance);
+}
+
+polyrad_status polyrad_surface_errors(polyrad *p, double *radiosity, double *irradiance) {
+  return means_or_errors(p, 1, radiosity, irradiance);
 }
 
 /* Net fluxes and temperatures of the scene's surfaces, in the caller's order. */
 static enum rad_code heat_of_surfaces(polyrad *p, double *net_flux, double *temperature) {
-  size_t n = (size_t)p->run.scene.n_triangle;
-  struct rad_result r = {.scene = &p->run.scene,
-                         .triangle_radiosity = rad_alloc(n, sizeof(double)),
-                         .triangle_irradiance = rad_alloc(n, sizeof(double))};
   struct rad_thermal heat = {0};
-  enum rad_code code = RAD_OK;
-  if (!r.triangle_radiosity || !r.triangle_irradiance)
-    code = rad_fail_memory(&p->error, "the net fluxes", 16.0 * (double)n);
-  if (!code)
-    code = rad_case_means(&p->run, r.triangle_radiosity, r.triangle_irradiance, &p->error);
-  if (!code)
-    code = rad_thermal_make(&r, &heat, &p->error);
-  for (int s = 0; s < p->n_surface && !code; s++) {
-    if (net_flux)
-      net_flux[p->caller[s]] = heat.surface.flux[s];
-    if (temperature)
-      temperature[p->caller[s]] = heat.surface.temperature[s];
+  enum rad_code code = rad_thermal_make(&p->run.scene, &p->run.means, &heat, &p->error);
+  if (!code) {
+    to_caller(p, heat.surface.flux, 1, net_flux);
+    to_caller(p, heat.surface.temperature, 1, temperature);
   }
   rad_thermal_free(&heat);
-  rad_result_free(&r);
   return code;
 }
 

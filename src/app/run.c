@@ -9,6 +9,7 @@
 #include "app/command.h"
 #include "app/study.h"
 #include "base/memory.h"
+#include "base/number.h"
 #include "output/save.h"
 #include "output/stamp.h"
 #include "output/thermal.h"
@@ -59,6 +60,13 @@ static void print_exponent(FILE *out, double x, double tolerance) {
     fprintf(out, " %12s", "-");
 }
 
+static double surface_area(const struct rad_scene *scene, int surface) {
+  double area = 0;
+  for (int t = 0; t < scene->n_triangle; t++)
+    area += scene->triangle[t].surface == surface ? scene->triangle[t].area : 0;
+  return area;
+}
+
 /* Exponents and gradings, for scenes that a person can read. */
 static void print_exponents(const struct rad_case *c, const struct rad_layout *l, FILE *out) {
   enum { READABLE = 24 };
@@ -95,24 +103,24 @@ static enum rad_code check_adaptive(const struct rad_case *c, FILE *out, struct 
   return code;
 }
 
-static void print_means(const struct rad_case *c, const struct rad_result *r, FILE *out) {
+static enum rad_code print_means(const struct rad_case *c, FILE *out, struct rad_error *e) {
   int nb = c->scene.n_band;
-  fprintf(out, "  surface %-16s area [m2]   mean radiosity [W/m2]   mean irradiance [W/m2]\n", "");
-  for (int s = 0; s < c->scene.n_surface; s++)
-    for (int b = 0; b < nb; b++) {
-      double area = 0, u = 0, h = 0;
-      for (int t = 0; t < c->scene.n_triangle; t++)
-        if (c->scene.triangle[t].surface == s) {
-          double a = c->scene.triangle[t].area;
-          area += a;
-          u += a * r->triangle_radiosity[t * nb + b];
-          h += a * r->triangle_irradiance[t * nb + b];
-        }
-      char name[96];
-      snprintf(name, sizeof name, nb > 1 ? "%.40s, %.40s" : "%.40s", c->scene.surface_name[s],
-               c->scene.band[b]);
-      fprintf(out, "          %-16s %9.4g   %21.10g   %22.10g\n", name, area, u / area, h / area);
-    }
+  struct rad_means m;
+  enum rad_code code = rad_means_of_surfaces(&c->scene, &c->means, &m, e);
+  if (!code)
+    fprintf(out, "  surface %-16s %9s   %26s   %26s\n", "", "area [m2]", "mean radiosity [W/m2]",
+            "mean irradiance [W/m2]");
+  for (int i = 0; i < c->scene.n_surface * nb && !code; i++) {
+    char name[96], u[64], h[64];
+    int s = i / nb;
+    snprintf(name, sizeof name, nb > 1 ? "%.40s, %.40s" : "%.40s", c->scene.surface_name[s],
+             c->scene.band[i % nb]);
+    rad_number_with_error(m.radiosity[i], m.error_radiosity[i], u, sizeof u);
+    rad_number_with_error(m.irradiance[i], m.error_irradiance[i], h, sizeof h);
+    fprintf(out, "          %-16s %9.4g   %26s   %26s\n", name, surface_area(&c->scene, s), u, h);
+  }
+  rad_means_free(&m);
+  return code;
 }
 
 static void print_probes(const struct rad_case *c, const struct rad_result *r, FILE *out) {
@@ -185,7 +193,8 @@ static void print_solution(const struct rad_case *c, const struct rad_result *r,
   if (!isnan(s->inverse_norm))
     fprintf(out, ", |inverse| %.4g", s->inverse_norm);
   fprintf(out, "\n");
-  print_means(c, r, out);
+  struct rad_error e;
+  print_means(c, out, &e);
   print_probes(c, r, out);
   print_view_factors(&r->view_factors, out);
 }
@@ -206,7 +215,7 @@ static void print_time(const struct rad_result *r, FILE *out) {
 static enum rad_code print_heat(const struct rad_case *c, const struct rad_result *r,
                                 const struct rad_command *command, struct rad_error *e) {
   struct rad_thermal t;
-  enum rad_code code = rad_thermal_make(r, &t, e);
+  enum rad_code code = rad_thermal_make(&c->scene, &c->means, &t, e);
   if (!code && t.cold >= 0)
     fprintf(command->log,
             "%s: warning: triangle %d (%s) has no temperature: its flux draws more heat than "

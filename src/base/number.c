@@ -4,6 +4,7 @@
 #include <locale.h>
 #include <math.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -73,4 +74,28 @@ bool rad_number_parse(const char *text, size_t n, double *value) {
   x = exponent < 0 ? x / power_of_ten[-exponent] : x * power_of_ten[exponent];
   *value = *text == '-' ? -x : x;
   return true;
+}
+
+/* Between these exponents of the last digit a number is written without one of its own. */
+enum { LEAST_EXPONENT = -12, MOST_EXPONENT = 0, MOST_DIGITS = 15 };
+
+void rad_number_with_error(double value, double error, char *text, size_t size) {
+  if (!isfinite(value) || error == 0) {
+    snprintf(text, size, "%.10g", value);
+    return;
+  }
+  if (!isfinite(error)) {
+    snprintf(text, size, "%.6g +- ?", value);
+    return;
+  }
+  int last = (int)floor(log10(error)) - 1; /* exponent of the last digit that is written */
+  double unit = pow(10, last);
+  double shown = ceil(error / unit + 0.5) * unit; /* and half a digit for the value's rounding */
+  if (last >= LEAST_EXPONENT && last <= MOST_EXPONENT) {
+    snprintf(text, size, "%.*f +- %.*f", -last, value, -last, shown);
+    return;
+  }
+  double most = fmax(fabs(value), error);
+  int digits = (int)fmin(fmax(floor(log10(most)) - last, 0), MOST_DIGITS);
+  snprintf(text, size, "%.*e +- %.1e", digits, value, shown);
 }

@@ -16,4 +16,12 @@
  */
 bool rad_number_parse(const char *text, size_t n, double *value);
 
+/**
+ * Write `value +- error` with as many digits as the error leaves: 0.1360 +- 0.0012.
+ *
+ * The error has two digits and is rounded up, so that it covers the rounding of the value too. An
+ * error of 0 stands for exact numbers, which are written alone; NAN is written as ?.
+ */
+void rad_number_with_error(double value, double error, char *text, size_t size);
+
 #endif

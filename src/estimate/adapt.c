@@ -23,6 +23,10 @@ enum { MAX_LEVEL = 40 };
 /* A bound this many tolerances large needs no finer look. */
 #define FAR_OFF 3
 
+/* Where means miss the tolerance, the bound is to become this part of what would just do. */
+#define BELOW 0.6
+#define LEAST_TARGET 1e-3 /* of the tolerance */
+
 /* Parts of the tolerance that quadrature and solver may use up. */
 #define QUADRATURE_PART 0.1
 #define SOLVER_PART 0.01
@@ -47,7 +51,9 @@ void rad_adaptive_free(struct rad_adaptive *a) {
   free_level(a);
   rad_layout_free(&a->layout);
   rad_stage_free(&a->stage);
+  rad_means_free(&a->means);
   free(a->element_bound);
+  free(a->least_weight);
   *a = (struct rad_adaptive){0};
 }
 
@@ -184,22 +190,22 @@ static void refine_direction(double factor, double rate, int *k, int *split) {
   *k = *k + add < RAD_MAX_POINTS_1D ? *k + add : RAD_MAX_POINTS_1D;
 }
 
-/* The effect from which on a foot matters: all together, they do worst_unseen. */
+/* The effect from which on a foot matters: all together, they do wanted_unseen. */
 static double least_effect(const struct rad_indicator *x, double share) {
   double most = 0;
   for (int i = 0; i < x->feet.n_foot; i++)
     most = fmax(most, x->feet.foot[i].effect);
-  return NEARLY * share * most / fmax(x->worst_unseen, 1e-300);
+  return NEARLY * share * most / fmax(x->wanted_unseen, 1e-300);
 }
 
-static enum rad_code refine(const struct rad_goal *g, struct rad_adaptive *a, struct rad_error *e) {
+static enum rad_code refine(struct rad_adaptive *a, struct rad_error *e) {
   struct rad_layout *l = &a->layout;
   const struct rad_indicator *x = &a->indicator;
   struct rad_refinement *what = rad_calloc((size_t)l->n_leaf, sizeof *what);
   if (!what)
     return rad_fail_memory(e, "the refinement", (double)l->n_leaf * sizeof *what);
   double share =
-      0.8 * g->tolerance / (rad_safety(l->scene) * fmax(a->report.inverse_norm, 1) * x->spread);
+      0.8 * a->target / (rad_safety(l->scene) * fmax(a->report.inverse_norm, 1) * x->spread);
   double over = OVERSHOOT * pow(1.15, a->levels);
   for (int i = 0; i < l->n_leaf; i++) {
     const struct rad_leaf *f = &l->leaf[i];
@@ -221,14 +227,12 @@ static enum rad_code refine(const struct rad_goal *g, struct rad_adaptive *a, st
 }
 
 /* With `whole`, at all check points even if the bound is far off. */
-static enum rad_code estimate(const struct rad_goal *g, int whole, struct rad_adaptive *a,
-                              struct rad_error *e) {
+static enum rad_code estimate(int whole, struct rad_adaptive *a, struct rad_error *e) {
   double enough =
-      FAR_OFF * g->tolerance / (rad_safety(a->layout.scene) * fmax(a->report.inverse_norm, 1));
+      FAR_OFF * a->target / (rad_safety(a->layout.scene) * fmax(a->report.inverse_norm, 1));
   rad_indicator_free(&a->indicator);
-  enum rad_code code =
-      rad_indicate(a->mesh, &a->rules, a->layout.scene->visibility->sight, a->layout.passive, a->u,
-                   whole ? INFINITY : enough, &a->indicator, e);
+  enum rad_code code = rad_indicate(a->mesh, &a->rules, a->layout.passive, a->least_weight, a->u,
+                                    whole ? INFINITY : enough, &a->indicator, e);
   if (!code)
     rad_set_bound(a);
   return code;
@@ -250,7 +254,7 @@ static enum rad_code level(const struct rad_scene *scene, const struct rad_goal 
   double start = rad_seconds();
   rad_progress_phase(scene->progress, "level %d, estimate", a->levels + 1);
   if (!code)
-    code = estimate(g, 0, a, e);
+    code = estimate(0, a, e);
   a->seconds_estimate = rad_seconds() - start;
   a->levels++;
   int is_lost = code == RAD_ESYSTEM || code == RAD_ENUMERIC;
@@ -268,36 +272,66 @@ static enum rad_code level(const struct rad_scene *scene, const struct rad_goal 
   return RAD_OK;
 }
 
+/* z and the means, of the last estimate. */
+static enum rad_code conclude(const struct rad_goal *g, struct rad_adaptive *a,
+                              struct rad_error *e) {
+  double start = rad_seconds();
+  free(a->element_bound);
+  a->element_bound = NULL;
+  rad_means_free(&a->means);
+  enum rad_code code = rad_set_element_bound(a, e);
+  struct rad_estimate x = {&a->indicator, a->element_bound, 3 * a->quadrature + a->h2.error};
+  rad_progress_phase(a->layout.scene->progress, "means");
+  if (!code)
+    code = rad_means_estimated(&x, g->tolerance, &a->means, e);
+  a->seconds_estimate += rad_seconds() - start;
+  return code;
+}
+
 enum rad_code rad_adapt_estimate(const struct rad_scene *scene, const struct rad_goal *g,
                                  struct rad_adaptive *a, struct rad_error *e) {
   double start = rad_seconds();
   struct rad_rules kept = a->rules; /* may be finer than the estimate needs */
   a->layout.scene = scene;
   a->levels = 1;
+  a->target = g->tolerance;
   a->quadrature = fmax(kept.tolerance, quadrature_tolerance(g, fmax(a->report.inverse_norm, 2.5)));
   enum rad_code code = rad_rules_build(a->mesh, a->quadrature, &a->rules, e);
   if (!code)
-    code = estimate(g, 1, a, e);
+    code = estimate(1, a, e);
+  a->seconds_estimate = rad_seconds() - start;
   if (!code)
-    code = rad_set_element_bound(a, e);
+    code = conclude(g, a, e);
   rad_rules_free(&a->rules);
   a->rules = kept;
-  a->seconds_estimate = rad_seconds() - start;
   return code;
+}
+
+/* A copy, or NULL if there is none or no memory. */
+static double *copy_weights(const struct rad_scene *s, const double *weight) {
+  size_t n = (size_t)s->n_triangle * (size_t)s->n_band;
+  double *copy = weight ? rad_alloc(n, sizeof(double)) : NULL;
+  if (copy)
+    memcpy(copy, weight, n * sizeof(double));
+  return copy;
 }
 
 /* The layout of the first level, or of the one to go on from. */
 static enum rad_code begin(const struct rad_scene *scene, const struct rad_goal *g,
                            struct rad_adaptive *a, struct rad_error *e) {
-  *a = (struct rad_adaptive){.quadrature = quadrature_tolerance(g, 2.5), .least = INFINITY};
+  *a = (struct rad_adaptive){
+      .quadrature = quadrature_tolerance(g, 2.5), .least = INFINITY, .target = g->tolerance};
   rad_progress_phase(scene->progress, "exponents");
   enum rad_code code =
       rad_layout_begin(scene, scene->visibility->sight, g->tolerance, &a->layout, e);
   if (code || !g->from)
     return code;
+  if (g->from->least_weight && !(a->least_weight = copy_weights(scene, g->from->least_weight)))
+    return rad_fail_memory(e, "the means", 8.0 * scene->n_triangle * scene->n_band);
   a->levels = g->from->levels;
   a->stuck = g->from->stuck;
   a->least = g->from->least;
+  a->target = g->from->target;
   a->quadrature = g->from->quadrature;
   return rad_stage_restore(g->from, &a->layout, e);
 }
@@ -305,9 +339,15 @@ static enum rad_code begin(const struct rad_scene *scene, const struct rad_goal 
 /* A level; once it is done, the stage where it began. */
 static enum rad_code staged_level(const struct rad_scene *scene, const struct rad_goal *g,
                                   struct rad_adaptive *a, struct rad_error *e) {
-  struct rad_stage now = {
-      .levels = a->levels, .stuck = a->stuck, .least = a->least, .quadrature = a->quadrature};
+  struct rad_stage now = {.levels = a->levels,
+                          .stuck = a->stuck,
+                          .least = a->least,
+                          .target = a->target,
+                          .quadrature = a->quadrature};
   enum rad_code code = rad_stage_take(&a->layout, &now, e);
+  now.least_weight = copy_weights(scene, a->least_weight);
+  if (!code && a->least_weight && !now.least_weight)
+    code = rad_fail_memory(e, "the means", 8.0 * scene->n_triangle * scene->n_band);
   if (!code)
     code = level(scene, g, a, e);
   if (code || a->reason[0]) {
@@ -320,30 +360,71 @@ static enum rad_code staged_level(const struct rad_scene *scene, const struct ra
   return RAD_OK;
 }
 
+/* Where means of irradiance miss the tolerance, K d counts in full. Returns 1 if that is news. */
+static int weigh_means(const struct rad_goal *g, struct rad_adaptive *a, struct rad_error *e,
+                       enum rad_code *code) {
+  size_t n = (size_t)a->means.n * (size_t)a->means.n_band;
+  int news = 0;
+  if (!a->least_weight && !(a->least_weight = rad_calloc(n, sizeof(double))))
+    *code = rad_fail_memory(e, "the means", 8.0 * (double)n);
+  for (size_t i = 0; i < n && !*code; i++)
+    if (a->least_weight[i] == 0 &&
+        a->means.error_irradiance[i] >
+            g->tolerance * a->indicator.scale[i % (size_t)a->means.n_band])
+      news = a->least_weight[i] = 1;
+  return news;
+}
+
+/* All is done when the means have met the tolerance too; else it becomes harder. */
+static int is_done(const struct rad_goal *g, struct rad_adaptive *a, struct rad_error *e,
+                   enum rad_code *code) {
+  if (a->means.worst <= g->tolerance)
+    return 1;
+  a->stuck = 0;
+  a->least = INFINITY;
+  if (weigh_means(g, a, e, code) || *code)
+    return *code != RAD_OK;
+  a->target = BELOW * a->wanted * fmin(g->tolerance / a->means.worst, 1);
+  if (a->target >= g->tolerance * LEAST_TARGET)
+    return 0;
+  int t = a->means.worst_triangle;
+  snprintf(a->reason, sizeof a->reason,
+           "the mean over triangle %d (%s) has an error of %.2e of the largest radiosity, which "
+           "refinement does not lower",
+           t + 1, a->layout.scene->surface_name[a->layout.scene->triangle[t].surface],
+           a->means.worst);
+  return 1;
+}
+
+/* Refinement that leads nowhere ends. */
+static void give_up(struct rad_adaptive *a) {
+  a->stuck = a->wanted < 0.7 * a->least ? 0 : a->stuck + 1;
+  a->least = fmin(a->least, a->wanted);
+  if (a->stuck == 6 || a->levels == MAX_LEVEL)
+    snprintf(
+        a->reason, sizeof a->reason,
+        "refinement no longer lowers the bound: rounding or the inner tolerances are in the way");
+}
+
 enum rad_code rad_adapt(const struct rad_scene *scene, const struct rad_goal *g,
                         struct rad_adaptive *a, struct rad_error *e) {
   double start = rad_seconds(), began = start;
   enum rad_code code = begin(scene, g, a, e);
+  int concluded = 0;
   while (!code) {
     began = rad_seconds();
-    if ((code = staged_level(scene, g, a, e)))
+    if ((code = staged_level(scene, g, a, e)) || a->reason[0])
       break;
-    if (a->reason[0] || a->bound <= g->tolerance)
+    concluded = a->wanted <= a->target;
+    if (concluded && ((code = conclude(g, a, e)) || is_done(g, a, e, &code)))
       break;
     a->quadrature = fmin(a->quadrature, quadrature_tolerance(g, a->report.inverse_norm));
-    a->stuck = a->bound < 0.7 * a->least ? 0 : a->stuck + 1;
-    a->least = fmin(a->least, a->bound);
-    if (a->stuck == 6 || a->levels == MAX_LEVEL) {
-      snprintf(
-          a->reason, sizeof a->reason,
-          "refinement no longer lowers the bound: rounding or the inner tolerances are in the way");
-      break;
-    }
-    if ((code = refine(g, a, e)))
+    give_up(a);
+    if (a->reason[0] || (code = refine(a, e)))
       break;
   }
   a->seconds_before = began - start;
-  if (!code && a->bound > FAR_OFF * g->tolerance) /* the last look was not a whole one */
-    code = estimate(g, 1, a, e);
-  return code ? code : rad_set_element_bound(a, e);
+  if (!code && a->wanted > FAR_OFF * a->target) /* the last look was not a whole one */
+    code = estimate(1, a, e);
+  return code || concluded ? code : conclude(g, a, e);
 }

@@ -2,7 +2,7 @@
 #ifndef RAD_ESTIMATE_ADAPT_H
 #define RAD_ESTIMATE_ADAPT_H
 
-#include "estimate/indicator.h"
+#include "estimate/means.h"
 #include "estimate/stage.h"
 
 struct rad_goal {
@@ -28,7 +28,11 @@ struct rad_adaptive {
   double bound;          /* of max |u - u*| over max |u|, from 1e-7 of edges and vertices on */
   double bound_limit;    /* the same right up to edges and vertices */
   double *element_bound; /* owned [n_element] z of (6.2), largest of the element, over max |u| */
-  double quadrature;     /* tolerance of the matrix entries, and of compression */
+  struct rad_means means;
+  double *least_weight; /* owned [n_triangle, n_band] of K d, or NULL: where means asked for more */
+  double wanted;        /* the bound, or the same with those weights: what refinement lowers */
+  double target;        /* of `wanted`: the tolerance, or less where means ask for that */
+  double quadrature;    /* tolerance of the matrix entries, and of compression */
   int levels;
   int stuck;              /* of them in a row that hardly lowered the bound */
   double least;           /* bound of all levels */
@@ -39,6 +43,11 @@ struct rad_adaptive {
   char reason[256]; /* why the tolerance was not reached; empty if it was */
 };
 
+/* Whether the means met the tolerance: with integrals to a part of it this is not to be exact. */
+static inline int rad_adaptive_means_met(const struct rad_adaptive *a, double tolerance) {
+  return a->means.worst <= tolerance;
+}
+
 /**
  * @param[out] a  to be freed with rad_adaptive_free, also after an error
  * @return RAD_OK also when the tolerance could not be reached: a->reason says why
@@ -47,8 +56,8 @@ enum rad_code rad_adapt(const struct rad_scene *scene, const struct rad_goal *go
                         struct rad_adaptive *a, struct rad_error *e);
 
 /**
- * Indicator and bounds of a mesh made by hand and solved elsewhere: a->mesh, rules, dense or h2,
- * rho, emission, u, h and report are given, the rest is zero.
+ * Indicator, bounds and means of a mesh made by hand and solved elsewhere: a->mesh, rules, dense or
+ * h2, rho, emission, u, h and report are given, the rest is zero.
  */
 enum rad_code rad_adapt_estimate(const struct rad_scene *scene, const struct rad_goal *goal,
                                  struct rad_adaptive *a, struct rad_error *e);

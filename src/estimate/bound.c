@@ -24,6 +24,8 @@ void rad_set_bound(struct rad_adaptive *a) {
   double safety = rad_safety(a->layout.scene);
   double unseen = a->indicator.worst_unseen;
   a->bound = (safety * (a->indicator.worst + unseen) + rest) * norm;
+  a->wanted =
+      fmax(a->bound, (safety * (a->indicator.wanted + a->indicator.wanted_unseen) + rest) * norm);
   a->bound_limit = (safety * (a->indicator.limit + unseen) + rest) * norm;
 }
 

@@ -55,7 +55,7 @@ static void set_element(const struct rad_mesh *mesh, int i, int rest, struct rad
   }
 }
 
-enum rad_code rad_checks_set(const struct rad_mesh *mesh, const double *weight, int rest,
+enum rad_code rad_checks_set(const struct rad_mesh *mesh, const unsigned char *checked, int rest,
                              struct rad_checks *c, struct rad_error *e) {
   size_t n_element = (size_t)mesh->n_element, most = n_element * RAD_CHECKS;
   size_t n_thread = (size_t)omp_get_max_threads();
@@ -69,10 +69,7 @@ enum rad_code rad_checks_set(const struct rad_mesh *mesh, const double *weight, 
   int done = c->first && c->count && c->base && c->mu && c->limit && c->part;
   for (int i = 0; i < mesh->n_element && done; i++) {
     c->first[i] = c->n;
-    int matters = 0;
-    for (int b = 0; b < c->n_band; b++)
-      matters |= weight[rad_element_triangle(mesh, i) * c->n_band + b] > 0;
-    if (matters)
+    if (checked[rad_element_triangle(mesh, i)])
       set_element(mesh, i, rest, c);
   }
   size_t total = (size_t)c->n * (size_t)c->n_band;

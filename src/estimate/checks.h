@@ -28,13 +28,13 @@ struct rad_checks {
 };
 
 /**
- * 5 x 5 points of each element with unknowns that crowd at its rim, and limits at edges and
+ * 5 x 5 points of each element that crowd at its rim, and limits at edges and
  * vertices of triangles: every other one in each direction first, then the rest.
  *
- * @param[in]  weight  [n_triangle, n_band] of K d: no points where it is 0 in all bands
+ * @param[in]  checked  [n_triangle] 0: no points there
  * @param[out] c     to be freed with rad_checks_free, also after an error
  */
-enum rad_code rad_checks_set(const struct rad_mesh *mesh, const double *weight, int rest,
+enum rad_code rad_checks_set(const struct rad_mesh *mesh, const unsigned char *checked, int rest,
                              struct rad_checks *c, struct rad_error *e);
 void rad_checks_free(struct rad_checks *c); /* safe twice */
 

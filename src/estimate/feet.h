@@ -63,13 +63,13 @@ int rad_feet_walk(const struct rad_mesh *mesh, int feature, double from, double 
  * @param[in]  scale   [n_band]
  * @param[in]  weight  [n_triangle, n_band] of K d
  * @param      feet    their effects are set
- * @param[out] unseen  [n_triangle] most that all gaps together do to rho K d on a triangle
+ * @param[out] received  [n_triangle, n_band] most that all gaps together do to K d on a triangle
  */
 enum rad_code rad_feet_gaps(const struct rad_mesh *mesh, const struct rad_mesh *fine,
                             const struct rad_rules *rules, const unsigned char *sees,
                             const double *u, const double *star, const double *d,
                             const double *scale, const double *weight, struct rad_feet *feet,
-                            double *unseen, struct rad_error *e);
+                            double *received, struct rad_error *e);
 
 /* Whether an element resolves a width at (phi, r), by direction; across as in rad_feature. */
 void rad_unresolved(const struct rad_mesh *mesh, int element, double phi, double r, double width,

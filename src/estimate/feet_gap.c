@@ -145,10 +145,10 @@ enum rad_code rad_feet_gaps(const struct rad_mesh *mesh, const struct rad_mesh *
                             const struct rad_rules *rules, const unsigned char *sees,
                             const double *u, const double *star, const double *d,
                             const double *scale, const double *weight, struct rad_feet *feet,
-                            double *unseen, struct rad_error *e) {
+                            double *received, struct rad_error *e) {
   size_t nb = (size_t)mesh->scene->n_band, n = (size_t)mesh->scene->n_triangle;
   size_t n_element = (size_t)mesh->n_element;
-  memset(unseen, 0, sizeof *unseen * n);
+  memset(received, 0, sizeof *received * n * nb);
   if (!feet->n_foot)
     return RAD_OK;
   double *value = rad_alloc((size_t)feet->n_foot * nb, sizeof(double));
@@ -164,7 +164,7 @@ enum rad_code rad_feet_gaps(const struct rad_mesh *mesh, const struct rad_mesh *
     set_gaps(fine, star, d, scale, feet, value);
     spread_all(mesh, sees, weight, value, feet, first, most, total);
     for (size_t i = 0; i < n * nb; i++)
-      unseen[i / nb] = fmax(unseen[i / nb], weight[i] * fmin(total[i].sum, total[i].most));
+      received[i] = fmin(total[i].sum, total[i].most);
   }
   free(value);
   free(most);

@@ -24,14 +24,15 @@ struct work {
   const struct rad_mesh *mesh;
   const unsigned char *sees;
   int n_band;
-  struct rad_mesh fine;
-  struct rad_rules rules; /* of fine, to the tolerance that K d needs */
-  double *d;            /* owned [2 n_band, n fine points] u* - u_h, over scale; then the same with
-                           the signs of its elements' integrals */
-  double *star;         /* owned [n_band, n fine points] u* */
-  double *integral;     /* owned [n_band, n_element] of d over each element */
-  double *weight;       /* owned [n_triangle, n_band] of K d */
-  struct rad_once once; /* K d */
+  struct rad_rules rules; /* of x->fine, to the tolerance that K d needs */
+  double *d;           /* owned [2 n_band, n fine points] u* - u_h, over scale; then the same with
+                          the signs of its elements' integrals */
+  double *integral;    /* owned [n_band, n_element] of d over each element */
+  double *weight;      /* owned [n_triangle, n_band] of K d, rho mostly */
+  const double *least; /* [n_triangle, n_band] or NULL: what the caller wants */
+  double *wanted;      /* owned [n_triangle, n_band] the larger of both */
+  unsigned char *checked; /* owned [n_triangle] light may arrive there */
+  struct rad_once once;   /* K d */
   struct rad_checks checks;
   struct rad_indicator *x;
 };
@@ -40,8 +41,13 @@ static int passive(const struct work *w, int element) {
   return w->passive && w->passive[rad_element_triangle(w->mesh, element)];
 }
 
-/* Black faces of thermal scenes have a net flux, though no unknowns. */
-static int checked(const struct work *w, int triangle) {
+/* Black faces have an irradiance, though no unknowns. */
+static int receives(const struct work *w, int triangle) {
+  return !w->passive || !w->passive[triangle] || w->passive[triangle] == RAD_BLACK;
+}
+
+/* In thermal scenes they have a net flux as well, which is to meet the tolerance at every point. */
+static int matters(const struct work *w, int triangle) {
   return !w->passive || !w->passive[triangle] ||
          (w->passive[triangle] == RAD_BLACK && w->mesh->scene->heat != NULL);
 }
@@ -74,31 +80,31 @@ static enum rad_code integrate_star(struct work *w, const struct rad_rules *rule
   if (!first)
     return rad_fail_memory(e, "the error estimate", 8.0 * (double)n_element);
   for (int i = 0; i < w->mesh->n_element; i++) {
-    first[i] = w->fine.element[i].first;
-    count[i] = passive(w, i) ? 0 : w->fine.element[i].n_function;
+    first[i] = w->x->fine.element[i].first;
+    count[i] = passive(w, i) ? 0 : w->x->fine.element[i].n_function;
   }
-  struct rad_element_points points = {first, count, w->fine.point_base,
-                                      (const double(*)[2])w->fine.point_mu};
+  struct rad_element_points points = {first, count, w->x->fine.point_base,
+                                      (const double(*)[2])w->x->fine.point_mu};
   enum rad_code code =
-      rad_irradiance_on(w->mesh, rules, &points, w->fine.n_point, w->n_band, u, w->star, e);
+      rad_irradiance_on(w->mesh, rules, &points, w->x->fine.n_point, w->n_band, u, w->x->star, e);
   free(first);
   return code;
 }
 
 static enum rad_code set_star(struct work *w, const struct rad_rules *rules, const double *u,
                               struct rad_error *e) {
-  const struct rad_mesh *fine = &w->fine;
+  const struct rad_mesh *fine = &w->x->fine;
   const struct rad_scene *s = fine->scene;
   size_t n = (size_t)fine->n_point, nb = (size_t)w->n_band;
-  w->star = rad_calloc(n * nb, sizeof(double));
+  w->x->star = rad_calloc(n * nb, sizeof(double));
   w->d = rad_alloc(2 * n * nb, sizeof(double));
-  if (!w->star || !w->d)
+  if (!w->x->star || !w->d)
     return rad_fail_memory(e, "the error estimate", 24.0 * (double)(n * nb));
   enum rad_code code = integrate_star(w, rules, u, e);
   for (int t = 0; t < s->n_triangle && !code; t++)
     for (int p = fine->point_first[t]; p < fine->point_first[t + 1]; p++)
       for (size_t b = 0; b < nb; b++) {
-        double *star = &w->star[b * n + (size_t)p];
+        double *star = &w->x->star[b * n + (size_t)p];
         *star = rad_emission(s, t, (int)b, fine->point_base[p], fine->point_mu[p]) +
                 s->rho[(size_t)t * nb + b] * *star;
         w->x->scale[b] = fmax(w->x->scale[b], fabs(*star));
@@ -107,15 +113,15 @@ static enum rad_code set_star(struct work *w, const struct rad_rules *rules, con
 }
 
 static void set_difference(struct work *w, const double *u) {
-  size_t n = (size_t)w->fine.n_point, nc = (size_t)w->mesh->n_point;
+  size_t n = (size_t)w->x->fine.n_point, nc = (size_t)w->mesh->n_point;
   for (int b = 0; b < w->n_band; b++)
     for (int i = 0; i < w->mesh->n_element; i++) {
-      const struct rad_element *c = &w->mesh->element[i], *f = &w->fine.element[i];
+      const struct rad_element *c = &w->mesh->element[i], *f = &w->x->fine.element[i];
       double value[RAD_GAUSS_MAX * RAD_GAUSS_MAX], scale = w->x->scale[b];
       interpolate(w->mesh, c, f, u + (size_t)b * nc + c->first, value);
       for (int q = 0; q < f->n_function; q++) {
         size_t at = (size_t)b * n + (size_t)(f->first + q);
-        w->d[at] = passive(w, i) || scale == 0 ? 0 : (w->star[at] - value[q]) / scale;
+        w->d[at] = passive(w, i) || scale == 0 ? 0 : (w->x->star[at] - value[q]) / scale;
         w->x->change = fmax(w->x->change, fabs(w->d[at]));
       }
     }
@@ -136,10 +142,10 @@ static void panel_integrals(const struct rad_panel *panel, double *integral) {
 
 /* The integrals of d over the elements, and d with their signs. */
 static void set_integrals(struct work *w) {
-  size_t n = (size_t)w->fine.n_point, n_element = (size_t)w->mesh->n_element;
+  size_t n = (size_t)w->x->fine.n_point, n_element = (size_t)w->mesh->n_element;
   for (int i = 0; i < w->mesh->n_element; i++) {
-    const struct rad_element *f = &w->fine.element[i];
-    const struct rad_patch *patch = &w->fine.patch[f->patch];
+    const struct rad_element *f = &w->x->fine.element[i];
+    const struct rad_patch *patch = &w->x->fine.patch[f->patch];
     double phi[RAD_GAUSS_MAX], r[RAD_GAUSS_MAX];
     panel_integrals(&w->rules.panel[w->rules.angular[i]], phi);
     panel_integrals(&w->rules.panel[w->rules.radial[i]], r);
@@ -162,7 +168,10 @@ static void set_weights(struct work *w) {
   const struct rad_scene *s = w->mesh->scene;
   for (int i = 0; i < s->n_triangle * s->n_band; i++) {
     double rho = s->emission_at ? 1 : s->rho[i];
-    w->weight[i] = !checked(w, i / s->n_band) ? 0 : s->heat ? fmax(rho, 1 - rho) : rho;
+    w->weight[i] = !matters(w, i / s->n_band) ? 0 : s->heat ? fmax(rho, 1 - rho) : rho;
+    w->wanted[i] =
+        w->least && receives(w, i / s->n_band) ? fmax(w->weight[i], w->least[i]) : w->weight[i];
+    w->checked[i / s->n_band] = (unsigned char)receives(w, i / s->n_band);
   }
 }
 
@@ -173,26 +182,38 @@ static enum rad_code begin_checks(struct work *w, double tolerance, struct rad_e
   double loose = fmax(tolerance, fmin(tolerance / fmax(w->x->change, 1e-300), COARSEST));
   w->integral = rad_alloc(n_element * nb, sizeof(double));
   w->weight = rad_alloc((size_t)w->mesh->scene->n_triangle * nb, sizeof(double));
-  if (!w->integral || !w->weight)
+  w->wanted = rad_alloc((size_t)w->mesh->scene->n_triangle * nb, sizeof(double));
+  w->checked = rad_alloc((size_t)w->mesh->scene->n_triangle, 1);
+  if (!w->integral || !w->weight || !w->wanted || !w->checked)
     return rad_fail_memory(e, "the error estimate", 8.0 * (double)(n_element * nb));
-  enum rad_code code = rad_rules_build(&w->fine, loose, &w->rules, e);
+  enum rad_code code = rad_rules_build(&w->x->fine, loose, &w->rules, e);
   if (code)
     return code;
   set_weights(w);
   set_integrals(w);
   for (size_t b = 0; b < 2 * nb; b++)
-    in[b] = w->d + b * (size_t)w->fine.n_point;
-  code = rad_once_begin(&w->fine, &w->rules, RAD_ONCE_LEAF, loose, &w->once, e);
+    in[b] = w->d + b * (size_t)w->x->fine.n_point;
+  code = rad_once_begin(&w->x->fine, &w->rules, RAD_ONCE_LEAF, loose, &w->once, e);
   return code ? code : rad_once_gather(&w->once, 2 * w->n_band, in, e);
 }
 
+/* The largest |K d| of each band at a check point of an element. */
+static void keep_received(const struct work *w, int element, int point) {
+  for (int b = 0; b < w->n_band; b++) {
+    double one = fabs(w->checks.total[(size_t)b * (size_t)w->checks.n + (size_t)point]);
+    double *most = &w->x->received[(size_t)element * (size_t)w->n_band + (size_t)b];
+    *most = fmax(*most, one);
+  }
+}
+
 /* |rho K d| of a check point in the band where it is largest; *at: where its numbers are. */
-static double worst_band(const struct work *w, int triangle, int point, size_t *at) {
+static double worst_band(const struct work *w, const double *weight, int triangle, int point,
+                         size_t *at) {
   double most = 0;
   *at = (size_t)point;
   for (int b = 0; b < w->n_band; b++) {
     size_t here = (size_t)b * (size_t)w->checks.n + (size_t)point;
-    double one = w->weight[triangle * w->n_band + b] * fabs(w->checks.total[here]);
+    double one = weight[triangle * w->n_band + b] * fabs(w->checks.total[here]);
     if (one > most || isnan(one)) {
       most = one;
       *at = here;
@@ -214,29 +235,31 @@ static enum rad_code gather(struct work *w, struct rad_error *e) {
     for (int t = 0; t < n_thread; t++)
       x->part[i] = fmax(x->part[i], c->part[(size_t)t * (size_t)n_element + (size_t)i]);
     for (int q = c->first[i]; q < c->first[i] + c->count[i]; q++) {
-      double one = worst_band(w, triangle, q, &at);
+      double one = worst_band(w, w->weight, triangle, q, &at);
       if (!isfinite(one))
         return rad_fail_integral(w->mesh->scene, triangle, e);
       x->limit = fmax(x->limit, one);
       if (c->limit[q])
         continue;
+      keep_received(w, i, q);
       x->local[i] = fmax(x->local[i], one);
       x->worst = fmax(x->worst, one);
+      x->wanted = fmax(x->wanted, worst_band(w, w->wanted, triangle, q, &at));
     }
   }
   for (int i = 0; i < n_element; i++)
     for (int q = c->first[i]; q < c->first[i] + c->count[i]; q++)
-      if (!c->limit[q] &&
-          worst_band(w, rad_element_triangle(w->mesh, i), q, &at) > SPREAD_FROM * x->worst)
+      if (!c->limit[q] && worst_band(w, w->wanted, rad_element_triangle(w->mesh, i), q, &at) >
+                              SPREAD_FROM * x->wanted)
         x->spread = fmax(x->spread, c->sum[at] / c->largest[at]);
   return RAD_OK;
 }
 
 static enum rad_code check(struct work *w, int rest, struct rad_error *e) {
   rad_checks_free(&w->checks);
-  enum rad_code code = rad_checks_set(w->mesh, w->weight, rest, &w->checks, e);
+  enum rad_code code = rad_checks_set(w->mesh, w->checked, rest, &w->checks, e);
   if (!code)
-    code = rad_checks_run(&w->once, w->integral, w->weight, &w->checks, e);
+    code = rad_checks_run(&w->once, w->integral, w->wanted, &w->checks, e);
   return code ? code : gather(w, e);
 }
 
@@ -247,10 +270,14 @@ static enum rad_code look_below(struct work *w, const struct rad_rules *rules, c
   struct rad_indicator *x = w->x;
   enum rad_code code = rad_feet_find(w->mesh, w->sees, w->passive, &x->feet, e);
   if (!code)
-    code = rad_feet_gaps(w->mesh, &w->fine, rules, w->sees, u, w->star, w->d, x->scale, w->weight,
-                         &x->feet, x->unseen, e);
-  for (int t = 0; t < w->mesh->scene->n_triangle; t++)
-    x->worst_unseen = fmax(x->worst_unseen, x->unseen[t]);
+    code = rad_feet_gaps(w->mesh, &w->x->fine, rules, w->sees, u, w->x->star, w->d, x->scale,
+                         w->wanted, &x->feet, x->unseen_received, e);
+  for (int i = 0; i < w->mesh->scene->n_triangle * w->n_band; i++) {
+    double *unseen = &x->unseen[i / w->n_band];
+    *unseen = fmax(*unseen, w->weight[i] * x->unseen_received[i]);
+    x->worst_unseen = fmax(x->worst_unseen, *unseen);
+    x->wanted_unseen = fmax(x->wanted_unseen, w->wanted[i] * x->unseen_received[i]);
+  }
   return code;
 }
 
@@ -261,6 +288,8 @@ static enum rad_code allocate(struct rad_indicator *x, int n_element, int n_tria
   double **list[] = {&x->local, &x->part, &x->tail_phi, &x->tail_r, &x->rate_phi, &x->rate_r};
   int failed = !(x->scale = rad_calloc((size_t)n_band, sizeof(double)));
   failed |= !(x->unseen = rad_calloc((size_t)n_triangle, sizeof(double)));
+  failed |= !(x->unseen_received = rad_calloc((size_t)n_triangle * (size_t)n_band, sizeof(double)));
+  failed |= !(x->received = rad_calloc((size_t)n_element * (size_t)n_band, sizeof(double)));
   for (int i = 0; i < 6; i++)
     failed |= !(*list[i] = rad_calloc((size_t)n_element, sizeof(double)));
   return failed ? rad_fail_memory(e, "the error estimate", 48.0 * n_element) : RAD_OK;
@@ -275,6 +304,10 @@ double rad_indicator_scale(const struct rad_indicator *x, int n_band) {
 
 void rad_indicator_free(struct rad_indicator *x) {
   rad_feet_free(&x->feet);
+  rad_mesh_free(&x->fine);
+  free(x->star);
+  free(x->received);
+  free(x->unseen_received);
   free(x->unseen);
   free(x->scale);
   free(x->local);
@@ -295,9 +328,9 @@ static int shaded(const struct work *w, int triangle) {
 /* The mesh with more points in each direction of every element that has unknowns. */
 static enum rad_code finer_mesh(struct work *w, struct rad_error *e) {
   const struct rad_mesh *m = w->mesh;
-  enum rad_code code = rad_mesh_begin(m->scene, NULL, &w->fine, e);
+  enum rad_code code = rad_mesh_begin(m->scene, NULL, &w->x->fine, e);
   for (int p = 0; p < m->n_patch && !code; p++) {
-    rad_mesh_add_patch(&w->fine, &m->patch[p]);
+    rad_mesh_add_patch(&w->x->fine, &m->patch[p]);
     for (int i = m->element_first[p]; i < m->element_first[p + 1]; i++) {
       struct rad_element el = m->element[i];
       int more = passive(w, i)                           ? 0
@@ -305,10 +338,10 @@ static enum rad_code finer_mesh(struct work *w, struct rad_error *e) {
                                                          : RAD_MORE;
       el.k_phi += more;
       el.k_r += more;
-      rad_mesh_add_element(&w->fine, el);
+      rad_mesh_add_element(&w->x->fine, el);
     }
   }
-  return code ? code : rad_mesh_finish(&w->fine, e);
+  return code ? code : rad_mesh_finish(&w->x->fine, e);
 }
 
 /* Points of the finer mesh, at most. */
@@ -339,19 +372,23 @@ static void free_work(struct work *w) {
   rad_once_free(&w->once);
   rad_checks_free(&w->checks);
   rad_rules_free(&w->rules);
-  rad_mesh_free(&w->fine);
   free(w->d);
-  free(w->star);
+  free(w->checked);
   free(w->integral);
   free(w->weight);
+  free(w->wanted);
 }
 
 enum rad_code rad_indicate(const struct rad_mesh *mesh, const struct rad_rules *rules,
-                           const unsigned char *sees, const unsigned char *passive, const double *u,
+                           const unsigned char *passive, const double *wanted, const double *u,
                            double enough, struct rad_indicator *x, struct rad_error *e) {
   *x = (struct rad_indicator){0};
-  struct work w = {
-      .passive = passive, .mesh = mesh, .sees = sees, .n_band = mesh->scene->n_band, .x = x};
+  struct work w = {.passive = passive,
+                   .mesh = mesh,
+                   .sees = mesh->scene->visibility->sight,
+                   .least = wanted,
+                   .n_band = mesh->scene->n_band,
+                   .x = x};
   enum rad_code code = allocate(x, mesh->n_element, mesh->scene->n_triangle, w.n_band, e);
   if (!code)
     code = finer_mesh(&w, e);
@@ -360,14 +397,14 @@ enum rad_code rad_indicate(const struct rad_mesh *mesh, const struct rad_rules *
   if (!code) {
     set_difference(&w, u);
     for (int i = 0; i < mesh->n_element; i++)
-      rad_modes(&w.fine, i, &mesh->element[i], w.n_band, w.star, x->scale,
+      rad_modes(&x->fine, i, &mesh->element[i], w.n_band, x->star, x->scale,
                 (struct rad_modes){&x->tail_phi[i], &x->tail_r[i], &x->rate_phi[i], &x->rate_r[i]});
     code = begin_checks(&w, rules->tolerance, e);
   }
   if (!code)
     code = look_below(&w, rules, u, e);
   x->spread = 1;
-  for (int rest = 0; rest < 2 && !code && x->worst <= enough; rest++)
+  for (int rest = 0; rest < 2 && !code && x->wanted <= enough; rest++)
     code = check(&w, rest, e);
   free_work(&w);
   return code;

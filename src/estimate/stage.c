@@ -9,6 +9,7 @@
 enum rad_code rad_stage_take(const struct rad_layout *l, struct rad_stage *s, struct rad_error *e) {
   size_t n = (size_t)l->n_leaf;
   s->n_leaf = l->n_leaf;
+  s->n_weight = l->scene->n_triangle * l->scene->n_band;
   s->leaf = rad_alloc(n, sizeof *s->leaf);
   if (!s->leaf)
     return rad_fail_memory(e, "the adaptive mesh", (double)n * sizeof *s->leaf);
@@ -18,6 +19,7 @@ enum rad_code rad_stage_take(const struct rad_layout *l, struct rad_stage *s, st
 
 void rad_stage_free(struct rad_stage *s) {
   free(s->leaf);
+  free(s->least_weight);
   *s = (struct rad_stage){0};
 }
 
@@ -46,7 +48,8 @@ static int cover(const struct rad_stage *s, int n_patch) {
 
 enum rad_code rad_stage_restore(const struct rad_stage *s, struct rad_layout *l,
                                 struct rad_error *e) {
-  if (!cover(s, l->n_patch))
+  if (!cover(s, l->n_patch) ||
+      (s->least_weight && s->n_weight != l->scene->n_triangle * l->scene->n_band))
     return rad_fail(e, RAD_EINPUT,
                     "the mesh in the checkpoint is not one of this scene; begin without --restart");
   struct rad_leaf *leaf = rad_alloc((size_t)s->n_leaf, sizeof *leaf);

@@ -6,10 +6,13 @@
 #include "system/plan.h"
 
 struct rad_stage {
-  int levels;        /* that were done before */
-  int stuck;         /* levels in a row that hardly lowered the bound */
-  double least;      /* bound of them */
-  double quadrature; /* tolerance of this level */
+  int levels;           /* that were done before */
+  int stuck;            /* levels in a row that hardly lowered the bound */
+  double least;         /* bound of them */
+  double target;        /* of what refinement lowers */
+  double *least_weight; /* owned [n_weight], or NULL; see rad_adaptive */
+  int n_weight;         /* triangles times bands */
+  double quadrature;    /* tolerance of this level */
   int n_leaf;
   struct rad_leaf *leaf;  /* owned [n_leaf]; NULL: no stage */
   enum rad_matrix matrix; /* of this level */

@@ -20,8 +20,6 @@ void rad_result_free(struct rad_result *result) {
   free(result->picture.irradiance);
   free(result->picture.indicator);
   free(result->picture.bound);
-  free(result->triangle_radiosity);
-  free(result->triangle_irradiance);
   free(result->point);
   free(result->point_triangle);
   free(result->value);
@@ -35,59 +33,65 @@ void rad_result_free(struct rad_result *result) {
   *result = (struct rad_result){0};
 }
 
-/* mean: [n_surface, n_band], area-weighted over the triangles of each surface; area: [n_surface] */
-static void surface_means(const struct rad_scene *scene, const double *value, const double *area,
-                          double *mean) {
-  const int n_band = scene->n_band;
-  for (int i = 0; i < scene->n_surface * n_band; i++)
-    mean[i] = value ? 0 : NAN;
-  for (int j = 0; value && j < scene->n_triangle; j++) {
-    const struct rad_triangle *const t = &scene->triangle[j];
-    for (int k = 0; k < n_band; k++)
-      mean[t->surface * n_band + k] += t->area / area[t->surface] * value[j * n_band + k];
-  }
+/* Means and their errors, of triangles or surfaces; NULL: not computed. */
+static void write_means(struct rad_hdf *h, hid_t group, hsize_t n, hsize_t n_band,
+                        const struct rad_means *m) {
+  const struct rad_hdf_array column[] = {
+      {"mean_radiosity",
+       "W/m2",
+       "mean radiosity u",
+       RAD_HDF_REAL,
+       2,
+       {n, n_band},
+       m ? m->radiosity : NULL},
+      {"mean_irradiance",
+       "W/m2",
+       "mean irradiance h",
+       RAD_HDF_REAL,
+       2,
+       {n, n_band},
+       m ? m->irradiance : NULL},
+      {"error_radiosity",
+       "W/m2",
+       "bound of the error of mean_radiosity; nan: not estimated",
+       RAD_HDF_REAL,
+       2,
+       {n, n_band},
+       m ? m->error_radiosity : NULL},
+      {"error_irradiance",
+       "W/m2",
+       "bound of the error of mean_irradiance; nan: not estimated",
+       RAD_HDF_REAL,
+       2,
+       {n, n_band},
+       m ? m->error_irradiance : NULL},
+  };
+  for (size_t k = 0; k < sizeof column / sizeof *column; k++)
+    rad_hdf_array(h, group, &column[k]);
 }
 
 static void write_surfaces(struct rad_hdf *h, hid_t root, const struct rad_result *r,
-                           const struct rad_thermal_list *thermal) {
+                           const struct rad_thermal *thermal) {
   const struct rad_scene *const scene = r->scene;
   const hsize_t n = (hsize_t)scene->n_surface, n_band = (hsize_t)scene->n_band;
   double *const area = rad_calloc(n, sizeof *area);
-  double *const radiosity = rad_alloc(n * n_band, sizeof *radiosity);
-  double *const irradiance = rad_alloc(n * n_band, sizeof *irradiance);
-  if (area && radiosity && irradiance) {
+  struct rad_means mean = {0};
+  struct rad_error e;
+  if (area && (!r->means || !rad_means_of_surfaces(scene, r->means, &mean, &e))) {
     for (int j = 0; j < scene->n_triangle; j++)
       area[scene->triangle[j].surface] += scene->triangle[j].area;
-    surface_means(scene, r->triangle_radiosity, area, radiosity);
-    surface_means(scene, r->triangle_irradiance, area, irradiance);
-    const struct rad_hdf_array column[] = {
-        {"area", "m2", "radiating area; `side: both` counts twice", RAD_HDF_REAL, 1, {n}, area},
-        {"mean_radiosity",
-         "W/m2",
-         "area-weighted mean radiosity u",
-         RAD_HDF_REAL,
-         2,
-         {n, n_band},
-         radiosity},
-        {"mean_irradiance",
-         "W/m2",
-         "area-weighted mean irradiance",
-         RAD_HDF_REAL,
-         2,
-         {n, n_band},
-         irradiance},
-    };
+    const struct rad_hdf_array column = {
+        "area", "m2", "radiating area; `side: both` counts twice", RAD_HDF_REAL, 1, {n}, area};
     const hid_t group = rad_hdf_group(h, root, "surfaces");
     rad_hdf_texts(h, group, "name", n, (const char *const *)scene->surface_name, "surface name");
-    for (size_t k = 0; k < sizeof column / sizeof *column; k++)
-      rad_hdf_array(h, group, &column[k]);
-    rad_thermal_write(h, group, thermal);
+    rad_hdf_array(h, group, &column);
+    write_means(h, group, n, n_band, r->means ? &mean : NULL);
+    rad_thermal_write(h, group, &thermal->surface);
     rad_hdf_group_close(h, group);
   } else {
     rad_hdf_fail(h, "out of memory for %d surfaces", scene->n_surface);
   }
-  free(irradiance);
-  free(radiosity);
+  rad_means_free(&mean);
   free(area);
 }
 
@@ -97,6 +101,7 @@ struct geometry {
   double *normal;     /* owned [n, 3] */
   double *emission;   /* owned [n, n_band] means */
   double *emissivity; /* owned [n], of thermal scenes */
+  double *area;       /* owned [n] */
   int *surface;       /* owned [n] */
 };
 
@@ -105,6 +110,7 @@ static void geometry_free(struct geometry *g) {
   free(g->normal);
   free(g->emission);
   free(g->emissivity);
+  free(g->area);
   free(g->surface);
 }
 
@@ -114,8 +120,9 @@ static int geometry_make(const struct rad_scene *scene, struct geometry *g) {
                          .normal = rad_alloc(3 * n, sizeof(double)),
                          .emission = rad_alloc(n * n_band, sizeof(double)),
                          .emissivity = rad_alloc(n, sizeof(double)),
+                         .area = rad_alloc(n, sizeof(double)),
                          .surface = rad_alloc(n, sizeof(int))};
-  if (!g->vertices || !g->normal || !g->emission || !g->emissivity || !g->surface)
+  if (!g->vertices || !g->normal || !g->emission || !g->emissivity || !g->area || !g->surface)
     return 0;
   for (size_t j = 0; j < n; j++) {
     const struct rad_triangle *const t = &scene->triangle[j];
@@ -128,6 +135,7 @@ static int geometry_make(const struct rad_scene *scene, struct geometry *g) {
       g->emission[j * n_band + k] = E[0] + (E[n_band] - E[0] + E[2 * n_band] - E[0]) / 3;
     }
     g->surface[j] = t->surface;
+    g->area[j] = t->area;
     g->emissivity[j] =
         scene->heat && scene->heat[j].kind != RAD_HEAT_NONE ? scene->heat[j].emissivity : NAN;
   }
@@ -135,7 +143,7 @@ static int geometry_make(const struct rad_scene *scene, struct geometry *g) {
 }
 
 static void write_triangles(struct rad_hdf *h, hid_t root, const struct rad_result *r,
-                            const struct rad_thermal_list *thermal) {
+                            const struct rad_thermal *thermal) {
   const struct rad_scene *const scene = r->scene;
   const hsize_t n = (hsize_t)scene->n_triangle, n_band = (hsize_t)scene->n_band;
   struct geometry g;
@@ -150,24 +158,12 @@ static void write_triangles(struct rad_hdf *h, hid_t root, const struct rad_resu
       {"surface", "1", "surface, as a row of /polyrad/surfaces", RAD_HDF_INT32, 1, {n}, g.surface},
       {"rho", "1", "reflectivity", RAD_HDF_REAL, 2, {n, n_band}, scene->rho},
       {"emission", "W/m2", "mean emitted radiosity E", RAD_HDF_REAL, 2, {n, n_band}, g.emission},
-      {"mean_radiosity",
-       "W/m2",
-       "mean radiosity u",
-       RAD_HDF_REAL,
-       2,
-       {n, n_band},
-       r->triangle_radiosity},
-      {"mean_irradiance",
-       "W/m2",
-       "mean irradiance",
-       RAD_HDF_REAL,
-       2,
-       {n, n_band},
-       r->triangle_irradiance},
+      {"area", "m2", "area", RAD_HDF_REAL, 1, {n}, g.area},
   };
   const hid_t group = rad_hdf_group(h, root, "triangles");
   for (size_t k = 0; k < sizeof column / sizeof *column; k++)
     rad_hdf_array(h, group, &column[k]);
+  write_means(h, group, n, n_band, r->means);
   const struct rad_hdf_array exponent[] = {{"edge_exponent",
                                             "1",
                                             "beta of edges v0v1, v1v2, v2v0; inf: not singular",
@@ -188,7 +184,7 @@ static void write_triangles(struct rad_hdf *h, hid_t root, const struct rad_resu
       "emissivity", "1", "emissivity; NaN where rho was given", RAD_HDF_REAL, 1, {n}, g.emissivity};
   if (scene->heat)
     rad_hdf_array(h, group, &emissivity);
-  rad_thermal_write(h, group, thermal);
+  rad_thermal_write(h, group, &thermal->triangle);
   rad_hdf_group_close(h, group);
   geometry_free(&g);
 }
@@ -361,7 +357,7 @@ enum rad_code rad_result_write(const char *path, struct rad_result *result, doub
                                struct rad_error *e) {
   const double begin = rad_seconds();
   struct rad_thermal thermal;
-  const enum rad_code code = rad_thermal_make(result, &thermal, e);
+  const enum rad_code code = rad_thermal_make(result->scene, result->means, &thermal, e);
   if (code) {
     rad_thermal_free(&thermal);
     return code;
@@ -372,8 +368,8 @@ enum rad_code rad_result_write(const char *path, struct rad_result *result, doub
   const hid_t root = rad_stamp(&h, result->deck, result->command, result->threads, started);
   rad_hdf_set_text(&h, root, "matrix", result->matrix);
   rad_hdf_set_text(&h, root, "solver", result->solver);
-  write_surfaces(&h, root, result, &thermal.surface);
-  write_triangles(&h, root, result, &thermal.triangle);
+  write_surfaces(&h, root, result, &thermal);
+  write_triangles(&h, root, result, &thermal);
   rad_thermal_free(&thermal);
   write_solution(&h, root, result);
   write_probes(&h, root, result);

@@ -5,6 +5,7 @@
 #include <stdint.h>
 
 #include "base/error.h"
+#include "estimate/means.h"
 #include "estimate/view_factors.h"
 #include "output/task.h"
 #include "scene/scene.h"
@@ -50,8 +51,7 @@ struct rad_result {
   const char *matrix, *solver;   /* what was used: "dense"; "lu", "gmres", "neumann" */
   int threads;
   struct rad_picture picture;
-  double *triangle_radiosity;                    /* owned [n_triangle, n_band] means [W/m2] */
-  double *triangle_irradiance;                   /* owned [n_triangle, n_band] means [W/m2] */
+  const struct rad_means *means; /* borrowed: of the triangles; NULL: not computed */
   const double *edge_exponent, *vertex_exponent; /* borrowed [n_triangle, 3], or NULL */
   int64_t n_point;                               /* collocation points */
   double *point;                                 /* owned [n_point, 3] [m] */

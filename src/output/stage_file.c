@@ -9,7 +9,7 @@
 enum { IN_LEAF = 3, IN_PLACE = 4, MOST_LEVELS = 1000 };
 
 /* More leaves than this are not read: their unknowns would not fit into any matrix. */
-#define MOST_LEAVES 1e8
+#define MOST_LEAVES 1e8 /* times IN_PLACE fits an int */
 
 static void list_arrays(const struct rad_stage_arrays *x, hsize_t n, struct rad_hdf_array a[2]) {
   a[0] = (struct rad_hdf_array){
@@ -34,7 +34,9 @@ static void write_numbers(struct rad_hdf *h, hid_t group, const struct rad_stage
   rad_hdf_set_integer(h, group, "levels", s->levels);
   rad_hdf_set_integer(h, group, "leaves", s->n_leaf);
   rad_hdf_set_integer(h, group, "stuck", s->stuck);
+  rad_hdf_set_integer(h, group, "weights", s->least_weight ? s->n_weight : 0);
   rad_hdf_set_real(h, group, "least_bound", s->least);
+  rad_hdf_set_real(h, group, "target", s->target);
   rad_hdf_set_real(h, group, "quadrature_tolerance", s->quadrature);
 }
 
@@ -60,6 +62,11 @@ void rad_stage_write(struct rad_hdf *h, hid_t root, const struct rad_stage *s,
   write_numbers(h, group, s);
   rad_hdf_array(h, group, &a[0]);
   rad_hdf_array(h, group, &a[1]);
+  const struct rad_hdf_array weight = {"least_weight", "1", "of K d, where means asked for more",
+                                       RAD_HDF_REAL,   1,   {(hsize_t)s->n_weight},
+                                       s->least_weight};
+  if (s->least_weight)
+    rad_hdf_array(h, group, &weight);
   rad_hdf_group_close(h, group);
 }
 
@@ -72,27 +79,30 @@ static bool read_whole(hid_t group, const char *name, double most, int64_t *valu
 }
 
 static bool read_numbers(hid_t group, struct rad_stage *s) {
-  int64_t levels, leaves, stuck;
+  int64_t levels, leaves, stuck, weights;
   if (!read_whole(group, "levels", MOST_LEVELS, &levels) ||
       !read_whole(group, "leaves", MOST_LEAVES, &leaves) ||
-      !read_whole(group, "stuck", MOST_LEVELS, &stuck))
+      !read_whole(group, "stuck", MOST_LEVELS, &stuck) ||
+      !read_whole(group, "weights", MOST_LEAVES, &weights))
     return false;
   *s = (struct rad_stage){.levels = (int)levels,
                           .stuck = (int)stuck,
                           .n_leaf = (int)leaves,
+                          .n_weight = (int)weights,
                           .least = rad_hdf_get_number(group, "least_bound"),
+                          .target = rad_hdf_get_number(group, "target"),
                           .quadrature = rad_hdf_get_number(group, "quadrature_tolerance")};
-  return s->least > 0 && s->quadrature > 0 && s->quadrature < 1;
+  return s->least > 0 && s->target > 0 && s->quadrature > 0 && s->quadrature < 1;
 }
 
-/* True if the datasets hold so many leaves: a number in a damaged file asks for no memory. */
-static bool are_there(hid_t group, int n) {
-  const hid_t dataset = H5Dopen2(group, "place", H5P_DEFAULT);
+/* True if a dataset holds so many numbers: one in a damaged file asks for no memory. */
+static bool are_there(hid_t group, const char *name, int n) {
+  const hid_t dataset = H5Dopen2(group, name, H5P_DEFAULT);
   if (dataset < 0)
     return false;
   const hid_t space = H5Dget_space(dataset);
-  const bool same = H5Sget_simple_extent_npoints(space) == (hssize_t)IN_PLACE * n &&
-                    H5Dget_storage_size(dataset) == sizeof(double) * IN_PLACE * (hsize_t)n;
+  const bool same = H5Sget_simple_extent_npoints(space) == (hssize_t)n &&
+                    H5Dget_storage_size(dataset) == sizeof(double) * (hsize_t)n;
   H5Sclose(space);
   H5Dclose(dataset);
   return same;
@@ -119,12 +129,26 @@ static bool read_leaves(hid_t group, struct rad_stage *s) {
   return done;
 }
 
+static bool read_weights(hid_t group, struct rad_stage *s) {
+  if (!s->n_weight)
+    return true;
+  if (!are_there(group, "least_weight", s->n_weight) ||
+      !(s->least_weight = rad_alloc((size_t)s->n_weight, sizeof(double))) ||
+      !rad_hdf_read_into(group, "least_weight", RAD_HDF_REAL, (size_t)s->n_weight, s->least_weight))
+    return false;
+  for (int i = 0; i < s->n_weight; i++)
+    if (s->least_weight[i] != 0 && s->least_weight[i] != 1)
+      return false;
+  return true;
+}
+
 bool rad_stage_read(hid_t root, struct rad_stage *s) {
   const hid_t group = H5Gopen2(root, "stage", H5P_DEFAULT);
   if (group < 0)
     return false;
-  const bool done = read_numbers(group, s) && s->n_leaf > 0 && are_there(group, s->n_leaf) &&
-                    read_leaves(group, s);
+  const bool done = read_numbers(group, s) && s->n_leaf > 0 &&
+                    are_there(group, "place", IN_PLACE * s->n_leaf) && read_leaves(group, s) &&
+                    read_weights(group, s);
   H5Gclose(group);
   s->matrix = rad_operator_form(root);
   if (done && s->matrix != RAD_MATRIX_AUTO)

@@ -41,7 +41,7 @@ static double final_solve(const struct rad_adaptive *a, const struct rad_goal *g
       .solver = goal->solver, .tolerance = 0.01 * goal->tolerance, .quadrature = a->quadrature};
   struct rad_operator k = rad_operator_dense(&dense);
   need(rad_solve(&k, &o, 1, a->rho, a->emission, u, h, &report, &e), &e);
-  need(rad_indicate(&mesh, &rules, dense.sees, a->layout.passive, u, INFINITY, &indicator, &e), &e);
+  need(rad_indicate(&mesh, &rules, a->layout.passive, NULL, u, INFINITY, &indicator, &e), &e);
   double seconds = rad_seconds() - start;
   free(u);
   rad_indicator_free(&indicator);

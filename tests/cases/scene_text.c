@@ -58,17 +58,12 @@ enum rad_code deck_solve(const struct deck_text *d, struct rad_case *c, struct r
 
 double surface_mean(const struct rad_case *c, const char *name, int irradiance) {
   int n = c->scene.n_triangle, nb = c->scene.n_band;
-  double *u = calloc((size_t)(n * nb), sizeof *u), *h = calloc((size_t)(n * nb), sizeof *h);
-  struct rad_error e;
+  const double *value = irradiance ? c->means.irradiance : c->means.radiosity;
   double sum = 0, area = 0;
-  if (!u || !h || rad_case_means(c, u, h, &e))
-    abort();
   for (int t = 0; t < n; t++)
     if (!strcmp(c->scene.surface_name[c->scene.triangle[t].surface], name)) {
-      sum += c->scene.triangle[t].area * (irradiance ? h : u)[t * nb];
+      sum += c->scene.triangle[t].area * value[t * nb];
       area += c->scene.triangle[t].area;
     }
-  free(u);
-  free(h);
   return sum / area;
 }

@@ -44,16 +44,9 @@ static void box(struct deck_text *d, const double size[3], const char *const pro
 static void solve(struct deck_text *d, struct rad_case *c, struct rad_thermal *t) {
   struct rad_error e;
   enum rad_code code = deck_solve(d, c, &e);
-  size_t n = (size_t)c->scene.n_triangle;
-  struct rad_result r = {.scene = &c->scene,
-                         .triangle_radiosity = calloc(n, sizeof(double)),
-                         .triangle_irradiance = calloc(n, sizeof(double))};
   if (!code)
-    code = rad_case_means(c, r.triangle_radiosity, r.triangle_irradiance, &e);
-  if (!code)
-    code = rad_thermal_make(&r, t, &e);
+    code = rad_thermal_make(&c->scene, &c->means, t, &e);
   ck_assert_msg(code == RAD_OK, "%s", e.text);
-  rad_result_free(&r);
   free(d);
 }
 

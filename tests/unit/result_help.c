@@ -97,8 +97,14 @@ struct fixture *make(int n_band, int n_copy) {
                            .threads = 2,
                            .n_point = N_UNKNOWN};
   make_picture(&r->picture, n_copy, n_band);
-  r->triangle_radiosity = ramp(N_TRIANGLE * band, 1, 1);
-  r->triangle_irradiance = ramp(N_TRIANGLE * band, 10, 1);
+  f->means = (struct rad_means){.n = N_TRIANGLE,
+                                .n_band = n_band,
+                                .radiosity = ramp(N_TRIANGLE * band, 1, 1),
+                                .irradiance = ramp(N_TRIANGLE * band, 10, 1),
+                                .error_radiosity = ramp(N_TRIANGLE * band, 0.25, 0),
+                                .error_irradiance = ramp(N_TRIANGLE * band, 0.5, 0),
+                                .integration = ramp(N_TRIANGLE * band, 0, 0)};
+  r->means = &f->means;
   r->point = ramp(N_UNKNOWN * 3, 0, .125);
   r->point_triangle = calloc(N_UNKNOWN, sizeof(int));
   r->value = ramp(N_UNKNOWN * band, 3, 1);
@@ -121,6 +127,7 @@ struct fixture *make(int n_band, int n_copy) {
 void discard(struct fixture *f) {
   rad_result_free(&f->result);
   rad_result_free(&f->result); /* safe twice */
+  rad_means_free(&f->means);
   free(f);
 }
 

@@ -14,6 +14,7 @@ struct fixture {
   struct rad_deck deck;
   struct rad_scene scene;
   struct rad_result result;
+  struct rad_means means;
   struct rad_deck_probe probe[N_PROBE];
   struct rad_triangle triangle[N_TRIANGLE];
   char *name[N_SURFACE];

@@ -81,7 +81,7 @@ START_TEST(same_as_the_program) {
     ck_assert_double_eq_tol(v[i], r.probe_radiosity[i], 1e-12);
   }
   for (int i = 0; i < 3; i++)
-    ck_assert_double_eq(mean[i], r.triangle_radiosity[i]);
+    ck_assert_double_eq(mean[i], r.means->radiosity[i]);
   struct polyrad_summary s;
   ck_assert_int_eq(polyrad_get_summary(p, &s), POLYRAD_OK);
   ck_assert_int_eq(s.unknowns, r.diagnostics.unknowns);

@@ -189,8 +189,7 @@ START_TEST(test_fields_and_empty_picture) {
   char path[128];
   struct fixture *f = make(1, 0);
   f->deck.output.fields = RAD_FIELD_RADIOSITY;
-  free(f->result.triangle_irradiance);
-  f->result.triangle_irradiance = NULL;
+  f->result.means = NULL;
   f->deck.n_probe = 0;
   write_ok(in_folder("a.vtkhdf", path), f);
   const hid_t file = open_file(path);

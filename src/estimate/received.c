@@ -1,0 +1,329 @@
+#include "estimate/received.h"
+
+#include <math.h>
+#include <omp.h>
+#include <stdlib.h>
+
+#include "base/memory.h"
+#include "base/stop.h"
+#include "base/vec.h"
+#include "visibility/visibility.h"
+
+/* An edge of the receiver nearer to a cell's centre than this many radii makes the cell split:
+ * F(y -> T) is analytic but at the edges of T. */
+#define NEAR 1.2
+
+enum {
+  CHUNKS = 128,   /* of elements, each with its own sums: the same bits for any number of threads */
+  DEEPEST = 60,   /* halvings of a cell */
+  LEAST_RULE = 2, /* points per direction where the bound alone is small enough */
+  MORE = 2        /* points more per direction of the second rule */
+};
+
+/* Everything that the chunks share. */
+struct receive {
+  const struct rad_weights *w;
+  const struct rad_scene *to;
+  int first, n_receiver; /* the receivers are to->triangle[first] .. */
+  struct rad_receivers receivers;
+  const double *tolerance;
+  double *portion;       /* owned [n_element] of the tolerance that an element may use up */
+  double *value, *error; /* owned [CHUNKS, n_receiver, n_weight] */
+};
+
+/* Memory of one thread. */
+struct worker {
+  struct rad_scratch scratch;
+  struct rad_light first, second, third; /* of the cell at hand, by rule */
+  int failed;                            /* a cell would not end */
+  int64_t factors;
+};
+
+/* One receiver and the sums that its cells go to. */
+struct receiver {
+  int triangle;
+  enum rad_sight sight;
+  double *value, *error; /* [n_weight] */
+};
+
+/* ---- where F(y -> T) is smooth ----------------------------------------------------------------
+ */
+
+static double distance_to_segment(const double x[3], const double p[3], const double q[3]) {
+  double along[3], way[3], rest[3];
+  rad_sub(q, p, along);
+  rad_sub(x, p, way);
+  double s = fmin(fmax(rad_dot(way, along) / rad_dot(along, along), 0), 1);
+  for (int d = 0; d < 3; d++)
+    rest[d] = way[d] - s * along[d];
+  return rad_norm(rest);
+}
+
+static int has_vertex(const struct rad_triangle *t, int vertex) {
+  return t->vertex[0] == vertex || t->vertex[1] == vertex || t->vertex[2] == vertex;
+}
+
+/* True if an edge of T is near to the cell. A common edge is none, only its ends are; and seen from
+ * their common vertex, the edges there look the same at every distance. */
+static int is_near(const struct rad_scene *s, const struct rad_cell_shape *c, int from, int to) {
+  const struct rad_triangle *i = &s->triangle[from], *j = &s->triangle[to];
+  for (int e = 0; e < 3; e++) {
+    int a = e, b = (e + 1) % 3;
+    int shares_a = has_vertex(i, j->vertex[a]), shares_b = has_vertex(i, j->vertex[b]);
+    int at_a = shares_a && c->vertex == j->vertex[a], at_b = shares_b && c->vertex == j->vertex[b];
+    double way[3], reach = NEAR * c->radius;
+    if (shares_a && shares_b) {
+      for (int k = 0; k < 2; k++) {
+        rad_sub(c->centre, j->v[k ? b : a], way);
+        if (!(k ? at_b : at_a) && rad_norm(way) < reach)
+          return 1;
+      }
+    } else if (!at_a && !at_b && distance_to_segment(c->centre, j->v[a], j->v[b]) < reach) {
+      return 1;
+    }
+  }
+  return 0;
+}
+
+/* F(y -> T) <= A_T / (pi d^2), and <= 1. */
+static double largest_factor(const struct rad_triangle *t, const struct rad_cell_shape *c) {
+  double centre[3], way[3], radius = 0;
+  for (int d = 0; d < 3; d++)
+    centre[d] = (t->v[0][d] + t->v[1][d] + t->v[2][d]) / 3;
+  for (int k = 0; k < 3; k++) {
+    rad_sub(t->v[k], centre, way);
+    radius = fmax(radius, rad_norm(way));
+  }
+  rad_sub(c->centre, centre, way);
+  double gap = rad_norm(way) - radius - c->radius;
+  return gap > 0 ? fmin(1, t->area / (M_PI * gap * gap)) : 1;
+}
+
+/* ---- one cell and one receiver ------------------------------------------------------------------
+ */
+
+static void apply(const struct receive *r, const struct rad_light *light, const struct receiver *to,
+                  double *sum, struct worker *w) {
+  double f[RAD_MAX_SENDER];
+  rad_point_factors(&r->receivers, &light->senders, to->triangle, to->sight, f, &w->scratch);
+  w->factors += light->senders.n;
+  for (int k = 0; k < r->w->n; k++) {
+    sum[k] = 0;
+    for (int q = 0; q < light->senders.n; q++)
+      sum[k] += f[q] * light->flux[k][q];
+  }
+}
+
+/* True if |x_k| of all weights is within its share; tolerance per area of the receiver. */
+static int is_within(const struct receive *r, const double *x, double share) {
+  for (int k = 0; k < r->w->n; k++)
+    if (!(fabs(x[k]) <= share * r->tolerance[k]))
+      return 0;
+  return 1;
+}
+
+static void add(const struct receive *r, const double *value, const double *error,
+                const struct receiver *to) {
+  for (int k = 0; k < r->w->n; k++) {
+    to->value[k] += value[k];
+    to->error[k] += fabs(error[k]);
+  }
+}
+
+/* Points per direction that integrate w exactly, and F where it is nearly constant. */
+static int rule_of(const struct rad_element *e) {
+  int k = e->k_phi > e->k_r ? e->k_phi : e->k_r;
+  return k / 2 + 1 > LEAST_RULE ? k / 2 + 1 : LEAST_RULE;
+}
+
+static void set_lights(const struct receive *r, const struct rad_light_cell *cell,
+                       struct worker *w) {
+  int n = rule_of(&r->w->mesh->element[cell->element]);
+  rad_light_set(r->w, cell, LEAST_RULE, &w->first);
+  rad_light_set(r->w, cell, n, &w->second);
+  rad_light_set(r->w, cell, n + MORE, &w->third);
+}
+
+/* Try the cell as it is, whose lights are set; 1 if that was good enough. */
+static int try_cell(const struct receive *r, const struct rad_light_cell *cell,
+                    const struct receiver *to, double share, int last, struct worker *w) {
+  const struct rad_scene *scene = r->to;
+  struct rad_cell_shape shape;
+  double most[RAD_MAX_WEIGHT], low[RAD_MAX_WEIGHT], high[RAD_MAX_WEIGHT];
+  rad_light_cell_shape(r->w->mesh, cell, &shape);
+  double reach = w->third.area * largest_factor(&scene->triangle[to->triangle], &shape);
+  for (int k = 0; k < r->w->n; k++)
+    most[k] = w->third.most[k] * reach;
+  if (last || is_within(r, most, share)) {
+    apply(r, &w->first, to, low, w);
+    add(r, low, most, to);
+    w->failed |= last;
+    return 1;
+  }
+  if (is_near(scene, &shape, w->first.senders.triangle, to->triangle))
+    return 0;
+  apply(r, &w->second, to, low, w);
+  apply(r, &w->third, to, high, w);
+  for (int k = 0; k < r->w->n; k++)
+    low[k] -= high[k];
+  if (!is_within(r, low, share))
+    return 0;
+  add(r, high, low, to);
+  return 1;
+}
+
+/* A cell and what it is split into, depth first. */
+static void integrate(const struct receive *r, struct rad_light_cell cell,
+                      const struct receiver *to, double share, int depth, struct worker *w) {
+  struct rad_light_cell child[4];
+  rad_light_cell_split(&cell, child);
+  for (int c = 0; c < 4 && !rad_stop_asked(); c++) {
+    set_lights(r, &child[c], w);
+    if (!try_cell(r, &child[c], to, 0.25 * share, depth == DEEPEST, w))
+      integrate(r, child[c], to, 0.25 * share, depth + 1, w);
+  }
+}
+
+/* ---- all elements -----------------------------------------------------------------------------
+ */
+
+static int sends(const struct receive *r, int element) {
+  const struct rad_element *e = &r->w->mesh->element[element];
+  for (int k = 0; k < r->w->n; k++)
+    for (int f = 0; f < e->n_function; f++)
+      if (r->w->w[k][e->first + f] != 0)
+        return 1;
+  return 0;
+}
+
+/* What all elements send. Half of the tolerance by area, half by number, so that neither one large
+ * element nor many small ones use it up. */
+static void share_out(struct receive *r, struct rad_light *light, double *sent) {
+  const struct rad_mesh *mesh = r->w->mesh;
+  double area = 0;
+  int n = 0;
+  for (int i = 0; i < mesh->n_element; i++) {
+    r->portion[i] = 0;
+    if (!sends(r, i))
+      continue;
+    struct rad_light_cell cell = rad_light_cell_whole(mesh, i);
+    rad_light_set(r->w, &cell, rule_of(&mesh->element[i]), light);
+    r->portion[i] = light->area;
+    area += light->area;
+    n++;
+    for (int k = 0; k < r->w->n; k++)
+      for (int q = 0; q < light->senders.n; q++)
+        sent[k] += light->flux[k][q];
+  }
+  for (int i = 0; i < mesh->n_element; i++)
+    if (r->portion[i] > 0)
+      r->portion[i] = 0.5 * (r->portion[i] / area + 1.0 / n);
+}
+
+static void send(const struct receive *r, int element, double *value, double *error,
+                 struct worker *w) {
+  const struct rad_mesh *mesh = r->w->mesh;
+  int n = r->to->n_triangle, from = rad_element_triangle(mesh, element);
+  const unsigned char *sees = r->to->visibility->sight + (size_t)from * (size_t)n;
+  struct rad_light_cell cell = rad_light_cell_whole(mesh, element);
+  int stale = 1;
+  for (int t = r->first; t < n && !rad_stop_asked(); t++) {
+    if (sees[t] == RAD_HIDDEN)
+      continue;
+    size_t at = (size_t)(t - r->first) * (size_t)r->w->n;
+    struct receiver to = {t, sees[t], value + at, error + at};
+    double share = r->portion[element] * r->to->triangle[t].area;
+    if (stale)
+      set_lights(r, &cell, w);
+    stale = !try_cell(r, &cell, &to, share, 0, w);
+    if (stale)
+      integrate(r, cell, &to, share, 1, w);
+  }
+}
+
+static void gather(const struct receive *r, struct rad_received *out) {
+  size_t n = (size_t)out->n_triangle * (size_t)out->n_weight;
+  for (size_t c = 0; c < CHUNKS; c++)
+    for (size_t i = 0; i < n; i++) {
+      out->value[i] += r->value[c * n + i];
+      out->error[i] += r->error[c * n + i];
+    }
+}
+
+static void run(struct receive *r, struct worker *worker) {
+  int n_element = r->w->mesh->n_element;
+  size_t n = (size_t)r->n_receiver * (size_t)r->w->n;
+  struct rad_progress *progress = r->w->mesh->scene->progress;
+  rad_progress_begin(progress, "elements", n_element);
+#pragma omp parallel for schedule(dynamic) default(none) shared(r, worker, n_element, n, progress)
+  for (int c = 0; c < CHUNKS; c++)
+    for (int i = c; i < n_element; i += CHUNKS) {
+      if (r->portion[i] > 0 && !rad_stop_asked())
+        send(r, i, r->value + (size_t)c * n, r->error + (size_t)c * n,
+             &worker[omp_get_thread_num()]);
+      rad_progress_add(progress, 1);
+    }
+}
+
+static enum rad_code begin(struct receive *r, struct rad_error *e) {
+  size_t n = (size_t)r->n_receiver * (size_t)r->w->n;
+  enum rad_code code = rad_receivers_begin(r->to, 1e-12, &r->receivers, e);
+  if (code)
+    return code;
+  r->portion = rad_alloc((size_t)r->w->mesh->n_element, sizeof(double));
+  r->value = rad_calloc(CHUNKS * n, sizeof(double));
+  r->error = rad_calloc(CHUNKS * n, sizeof(double));
+  return r->portion && r->value && r->error
+             ? RAD_OK
+             : rad_fail_memory(e, "the means", 16.0 * CHUNKS * (double)n);
+}
+
+static enum rad_code finish(const struct receive *r, int n_thread, struct worker *worker,
+                            struct rad_received *out, struct rad_error *e) {
+  enum rad_code code = rad_stop_asked() ? rad_fail_stopped(e) : RAD_OK;
+  for (int t = 0; t < n_thread && !code; t++) {
+    out->factors += worker[t].factors;
+    if (worker[t].scratch.shade.failed)
+      code = rad_fail_memory(e, "the shadows", 0);
+  }
+  if (!code)
+    gather(r, out);
+  return code;
+}
+
+enum rad_code rad_receive(const struct rad_weights *w, const struct rad_scene *to, int first,
+                          const double *tolerance, struct rad_received *out, struct rad_error *e) {
+  int n_thread = omp_get_max_threads(), n_receiver = to->n_triangle - first;
+  size_t n = (size_t)n_receiver * (size_t)w->n;
+  struct receive r = {
+      .w = w, .to = to, .first = first, .n_receiver = n_receiver, .tolerance = tolerance};
+  *out = (struct rad_received){.n_triangle = n_receiver,
+                               .n_weight = w->n,
+                               .value = rad_calloc(n, sizeof(double)),
+                               .error = rad_calloc(n, sizeof(double))};
+  struct worker *worker = rad_calloc((size_t)n_thread, sizeof *worker);
+  enum rad_code code = begin(&r, e);
+  if (!code && (!worker || !out->value || !out->error))
+    code = rad_fail_memory(e, "the means", 16.0 * (double)n);
+  for (int t = 0; t < n_thread && !code; t++)
+    code = rad_scratch_init(&r.receivers.mesh, &worker[t].scratch, e);
+  if (!code) {
+    share_out(&r, &worker[0].first, out->sent);
+    run(&r, worker);
+    code = finish(&r, n_thread, worker, out, e);
+  }
+  for (int t = 0; worker && t < n_thread; t++)
+    rad_scratch_free(&worker[t].scratch);
+  free(worker);
+  rad_receivers_free(&r.receivers);
+  free(r.portion);
+  free(r.value);
+  free(r.error);
+  return code;
+}
+
+void rad_received_free(struct rad_received *r) {
+  free(r->value);
+  free(r->error);
+  *r = (struct rad_received){0};
+}
