@@ -4,7 +4,7 @@ import pathlib
 import re
 import unittest
 
-ROOMS = ["base", "scene", "visibility", "mesh", "integrate", "system", "estimate", "output", "app"]
+ROOMS = ["base", "scene", "visibility", "mesh", "integrate", "system", "factors", "estimate", "output", "app"]
 SRC = pathlib.Path(__file__).resolve().parents[2] / "src"
 
 

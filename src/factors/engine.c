@@ -1,0 +1,66 @@
+#include "factors/engine.h"
+
+#include <stdlib.h>
+
+#include "base/memory.h"
+
+/* A side of an occluder, by its vertices. */
+struct side {
+  int low, high, number;
+};
+
+static int compare_sides(const void *a, const void *b) {
+  const struct side *x = a, *y = b;
+  if (x->low != y->low)
+    return x->low < y->low ? -1 : 1;
+  if (x->high != y->high)
+    return x->high < y->high ? -1 : 1;
+  return (x->number > y->number) - (x->number < y->number);
+}
+
+/* Sides with the same two vertices, in a ring: one that three polygons share has three twins. */
+static void find_twins(int n, const struct side *side, int *twin) {
+  for (int first = 0, last; first < n; first = last) {
+    for (last = first + 1; last < n && side[last].low == side[first].low &&
+                           side[last].high == side[first].high;
+         last++)
+      ;
+    for (int k = first; k < last; k++)
+      twin[side[k].number] = last - first == 1 ? -1 : side[k + 1 < last ? k + 1 : first].number;
+  }
+}
+
+enum rad_code rad_pair_engine_init(const struct rad_scene *scene, struct rad_pair_engine *g,
+                                   struct rad_error *e) {
+  const struct rad_occluders *o = &scene->visibility->occluders;
+  int n = o->n ? o->occluder[o->n - 1].first + o->occluder[o->n - 1].n : 0;
+  *g = (struct rad_pair_engine){.scene = scene, .visibility = scene->visibility};
+  enum rad_code code = rad_gauss_init(&g->gauss, e);
+  if (code)
+    return code;
+  struct side *side = rad_alloc((size_t)n, sizeof *side);
+  g->twin = rad_alloc((size_t)n, sizeof *g->twin);
+  g->owner = rad_alloc((size_t)n, sizeof *g->owner);
+  if (!side || !g->twin || !g->owner)
+    code = rad_fail_memory(e, "the edges of what casts shadows", 20.0 * n);
+  for (int k = 0; k < o->n && !code; k++)
+    for (int c = 0; c < o->occluder[k].n; c++) {
+      int at = o->occluder[k].first + c;
+      int p = o->corner[at], q = o->corner[o->occluder[k].first + (c + 1) % o->occluder[k].n];
+      g->owner[at] = k;
+      side[at] = (struct side){p < q ? p : q, p < q ? q : p, at};
+    }
+  if (!code) {
+    qsort(side, (size_t)n, sizeof *side, compare_sides);
+    find_twins(n, side, g->twin);
+  }
+  free(side);
+  return code;
+}
+
+void rad_pair_engine_free(struct rad_pair_engine *g) {
+  rad_gauss_free(&g->gauss);
+  free(g->twin);
+  free(g->owner);
+  *g = (struct rad_pair_engine){0};
+}
