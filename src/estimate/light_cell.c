@@ -9,14 +9,6 @@ struct rad_light_cell rad_light_cell_whole(const struct rad_mesh *mesh, int elem
   return (struct rad_light_cell){element, {e->sigma[0], e->sigma[1]}, {e->tau[0], e->tau[1]}};
 }
 
-void rad_light_cell_split(const struct rad_light_cell *cell, struct rad_light_cell child[4]) {
-  for (int c = 0; c < 4; c++) {
-    child[c] = *cell;
-    child[c].sigma[1 - c % 2] = 0.5 * (cell->sigma[0] + cell->sigma[1]);
-    child[c].tau[1 - c / 2] = 0.5 * (cell->tau[0] + cell->tau[1]);
-  }
-}
-
 void rad_light_cell_shape(const struct rad_mesh *mesh, const struct rad_light_cell *cell,
                           struct rad_cell_shape *shape) {
   const struct rad_element *e = &mesh->element[cell->element];
@@ -113,4 +105,65 @@ void rad_light_set(const struct rad_weights *w, const struct rad_light_cell *cel
   }
   rad_senders_finish(mesh->scene, s);
   set_flux(w, e, n, lp, lr, light);
+}
+
+/* (r, r t) of the patch from barycentric coordinates. */
+static void to_patch(const struct rad_patch *p, const double lambda[3], double *r, double *rt) {
+  double m1 = lambda[(p->base + 1) % 3] - p->mu0[0], m2 = lambda[(p->base + 2) % 3] - p->mu0[1];
+  double det = p->mu_a[0] * p->mu_b[1] - p->mu_a[1] * p->mu_b[0];
+  *r = (m1 * p->mu_b[1] - m2 * p->mu_b[0]) / det;
+  *rt = (p->mu_a[0] * m2 - p->mu_a[1] * m1) / det;
+}
+
+static double within(double x, const double range[2]) {
+  return fmin(fmax(x, range[0]), range[1]);
+}
+
+void rad_light_at(void *context, int n, const double (*lambda)[3], double *value) {
+  const struct rad_light_at *at = context;
+  const struct rad_mesh *mesh = at->w->mesh;
+  const struct rad_element *e = &mesh->element[at->element];
+  const struct rad_patch *p = &mesh->patch[e->patch];
+  double c[RAD_MAX_WEIGHT][RAD_GAUSS_MAX * RAD_GAUSS_MAX], lp[RAD_GAUSS_MAX], lr[RAD_GAUSS_MAX];
+  for (int k = 0; k < at->w->n; k++)
+    coefficients(e, at->w->w[k], c[k]);
+  for (int i = 0; i < n; i++) {
+    double r, rt;
+    to_patch(p, lambda[i], &r, &rt);
+    double phi = rad_angle_phi(p->angle, fmin(fmax(r > 0 ? rt / r : 0, 0), 1));
+    double sigma = within(rad_ungraded(phi, e->p_phi), e->sigma);
+    double tau = within(rad_ungraded(fmax(r, 0), e->p_r), e->tau);
+    rad_lagrange(&mesh->nodes, e->k_phi,
+                 2 * (sigma - e->sigma[0]) / (e->sigma[1] - e->sigma[0]) - 1, lp);
+    rad_lagrange(&mesh->nodes, e->k_r, 2 * (tau - e->tau[0]) / (e->tau[1] - e->tau[0]) - 1, lr);
+    for (int k = 0; k < at->w->n; k++) {
+      double sum = 0;
+      for (int b = 0; b < e->k_r; b++)
+        for (int a = 0; a < e->k_phi; a++)
+          sum += c[k][a + e->k_phi * b] * lp[a] * lr[b];
+      value[i * at->w->n + k] = sum;
+    }
+  }
+}
+
+int rad_light_triangles(const struct rad_mesh *mesh, int element, double corner[2][3][3]) {
+  const struct rad_element *e = &mesh->element[element];
+  const struct rad_patch *p = &mesh->patch[e->patch];
+  double at[4][3]; /* around the element */
+  for (int c = 0; c < 4; c++) {
+    double phi = rad_graded(e->sigma[c == 1 || c == 2], e->p_phi), mu[2];
+    rad_patch_mu(p, phi, rad_graded(e->tau[c / 2], e->p_r), mu);
+    at[c][p->base] = 1 - mu[0] - mu[1];
+    at[c][(p->base + 1) % 3] = mu[0];
+    at[c][(p->base + 2) % 3] = mu[1];
+  }
+  for (int d = 0; d < 3; d++) {
+    corner[0][0][d] = at[0][d];
+    corner[0][1][d] = at[2][d];
+    corner[0][2][d] = at[3][d];
+    corner[1][0][d] = at[0][d];
+    corner[1][1][d] = at[1][d];
+    corner[1][2][d] = at[2][d];
+  }
+  return e->tau[0] > 0 ? 2 : 1;
 }

@@ -2,9 +2,8 @@
 #ifndef RAD_ESTIMATE_LIGHT_CELL_H
 #define RAD_ESTIMATE_LIGHT_CELL_H
 
+#include "factors/cells.h"
 #include "integrate/point_factor.h"
-
-enum { RAD_MAX_WEIGHT = 2 * RAD_MAX_BAND + 1 };
 
 /* Functions w_k on the elements of a mesh, as values at its points. */
 struct rad_weights {
@@ -36,11 +35,19 @@ struct rad_light {
 
 struct rad_light_cell rad_light_cell_whole(const struct rad_mesh *mesh, int element);
 
-/* Halve both sides. */
-void rad_light_cell_split(const struct rad_light_cell *cell, struct rad_light_cell child[4]);
-
 void rad_light_cell_shape(const struct rad_mesh *mesh, const struct rad_light_cell *cell,
                           struct rad_cell_shape *shape);
+
+/* Values [n, w->n] at points of the element's triangle, as a rad_weight_at; context: rad_light_at.
+ */
+struct rad_light_at {
+  const struct rad_weights *w;
+  int element;
+};
+void rad_light_at(void *context, int n, const double (*lambda)[3], double *value);
+
+/* The element as triangles; barycentric corners. Returns 1 or 2. */
+int rad_light_triangles(const struct rad_mesh *mesh, int element, double corner[2][3][3]);
 
 /* n x n Gauss points in the graded variables, n n <= RAD_MAX_SENDER.             (theory 2.1, 4.1)
  */

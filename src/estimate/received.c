@@ -3,19 +3,19 @@
 #include <math.h>
 #include <omp.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/memory.h"
 #include "base/stop.h"
 #include "base/vec.h"
 #include "visibility/visibility.h"
 
-/* An edge of the receiver nearer to a cell's centre than this many radii makes the cell split:
- * F(y -> T) is analytic but at the edges of T. */
+/* With an edge of the receiver nearer to an element's centre than this many radii, rules on the
+ * whole element mean nothing: F(y -> T) is analytic but at the edges of T. */
 #define NEAR 1.2
 
 enum {
   CHUNKS = 128,   /* of elements, each with its own sums: the same bits for any number of threads */
-  DEEPEST = 60,   /* halvings of a cell */
   LEAST_RULE = 2, /* points per direction where the bound alone is small enough */
   MORE = 2        /* points more per direction of the second rule */
 };
@@ -26,6 +26,7 @@ struct receive {
   const struct rad_scene *to;
   int first, n_receiver; /* the receivers are to->triangle[first] .. */
   struct rad_receivers receivers;
+  struct rad_pair_engine engine; /* of pairs that something may stand between */
   const double *tolerance;
   double *portion;       /* owned [n_element] of the tolerance that an element may use up */
   double *value, *error; /* owned [CHUNKS, n_receiver, n_weight] */
@@ -34,8 +35,10 @@ struct receive {
 /* Memory of one thread. */
 struct worker {
   struct rad_scratch scratch;
+  struct rad_cell_scratch *cells; /* owned */
+  enum rad_code code;             /* the first error, and its text */
+  struct rad_error error;
   struct rad_light first, second, third; /* of the cell at hand, by rule */
-  int failed;                            /* a cell would not end */
   int64_t factors;
 };
 
@@ -144,9 +147,31 @@ static void set_lights(const struct receive *r, const struct rad_light_cell *cel
   rad_light_set(r->w, cell, n + MORE, &w->third);
 }
 
-/* Try the cell as it is, whose lights are set; 1 if that was good enough. */
-static int try_cell(const struct receive *r, const struct rad_light_cell *cell,
-                    const struct receiver *to, double share, int last, struct worker *w) {
+/* Cell by cell: the receiver is near, or something may stand between. */
+static void by_cells(const struct receive *r, int element, const struct receiver *to, double share,
+                     struct worker *w) {
+  struct rad_light_at at = {r->w, element};
+  double corner[2][3][3], tolerance[RAD_MAX_WEIGHT], value[RAD_MAX_WEIGHT], error[RAD_MAX_WEIGHT];
+  int n = rad_light_triangles(r->w->mesh, element, corner);
+  struct rad_cell_task task = {.source = w->third.senders.triangle,
+                               .target = to->triangle,
+                               .n_weight = r->w->n,
+                               .weight = rad_light_at,
+                               .context = &at,
+                               .tolerance = tolerance};
+  for (int k = 0; k < r->w->n; k++)
+    tolerance[k] = share / n * r->tolerance[k];
+  for (int i = 0; i < n && !w->code; i++) {
+    memcpy(task.corner, corner[i], sizeof task.corner);
+    w->code = rad_cell_integrate(&r->engine, w->cells, &task, value, error, &w->error);
+    if (!w->code)
+      add(r, value, error, to);
+  }
+}
+
+/* Two rules on the whole element, whose lights are set; 1 if that was good enough. */
+static int by_rules(const struct receive *r, const struct rad_light_cell *cell,
+                    const struct receiver *to, double share, struct worker *w) {
   const struct rad_scene *scene = r->to;
   struct rad_cell_shape shape;
   double most[RAD_MAX_WEIGHT], low[RAD_MAX_WEIGHT], high[RAD_MAX_WEIGHT];
@@ -154,13 +179,12 @@ static int try_cell(const struct receive *r, const struct rad_light_cell *cell,
   double reach = w->third.area * largest_factor(&scene->triangle[to->triangle], &shape);
   for (int k = 0; k < r->w->n; k++)
     most[k] = w->third.most[k] * reach;
-  if (last || is_within(r, most, share)) {
+  if (is_within(r, most, share)) {
     apply(r, &w->first, to, low, w);
     add(r, low, most, to);
-    w->failed |= last;
     return 1;
   }
-  if (is_near(scene, &shape, w->first.senders.triangle, to->triangle))
+  if (to->sight == RAD_PARTLY || is_near(scene, &shape, w->first.senders.triangle, to->triangle))
     return 0;
   apply(r, &w->second, to, low, w);
   apply(r, &w->third, to, high, w);
@@ -170,18 +194,6 @@ static int try_cell(const struct receive *r, const struct rad_light_cell *cell,
     return 0;
   add(r, high, low, to);
   return 1;
-}
-
-/* A cell and what it is split into, depth first. */
-static void integrate(const struct receive *r, struct rad_light_cell cell,
-                      const struct receiver *to, double share, int depth, struct worker *w) {
-  struct rad_light_cell child[4];
-  rad_light_cell_split(&cell, child);
-  for (int c = 0; c < 4 && !rad_stop_asked(); c++) {
-    set_lights(r, &child[c], w);
-    if (!try_cell(r, &child[c], to, 0.25 * share, depth == DEEPEST, w))
-      integrate(r, child[c], to, 0.25 * share, depth + 1, w);
-  }
 }
 
 /* ---- all elements -----------------------------------------------------------------------------
@@ -226,18 +238,15 @@ static void send(const struct receive *r, int element, double *value, double *er
   int n = r->to->n_triangle, from = rad_element_triangle(mesh, element);
   const unsigned char *sees = r->to->visibility->sight + (size_t)from * (size_t)n;
   struct rad_light_cell cell = rad_light_cell_whole(mesh, element);
-  int stale = 1;
+  set_lights(r, &cell, w);
   for (int t = r->first; t < n && !rad_stop_asked(); t++) {
     if (sees[t] == RAD_HIDDEN)
       continue;
     size_t at = (size_t)(t - r->first) * (size_t)r->w->n;
     struct receiver to = {t, sees[t], value + at, error + at};
     double share = r->portion[element] * r->to->triangle[t].area;
-    if (stale)
-      set_lights(r, &cell, w);
-    stale = !try_cell(r, &cell, &to, share, 0, w);
-    if (stale)
-      integrate(r, cell, &to, share, 1, w);
+    if (!by_rules(r, &cell, &to, share, w))
+      by_cells(r, element, &to, share, w);
   }
 }
 
@@ -268,6 +277,8 @@ static void run(struct receive *r, struct worker *worker) {
 static enum rad_code begin(struct receive *r, struct rad_error *e) {
   size_t n = (size_t)r->n_receiver * (size_t)r->w->n;
   enum rad_code code = rad_receivers_begin(r->to, 1e-12, &r->receivers, e);
+  if (!code)
+    code = rad_pair_engine_init(r->to, &r->engine, e);
   if (code)
     return code;
   r->portion = rad_alloc((size_t)r->w->mesh->n_element, sizeof(double));
@@ -285,6 +296,10 @@ static enum rad_code finish(const struct receive *r, int n_thread, struct worker
     out->factors += worker[t].factors;
     if (worker[t].scratch.shade.failed)
       code = rad_fail_memory(e, "the shadows", 0);
+    else if (worker[t].code) {
+      *e = worker[t].error;
+      code = worker[t].code;
+    }
   }
   if (!code)
     gather(r, out);
@@ -306,14 +321,19 @@ enum rad_code rad_receive(const struct rad_weights *w, const struct rad_scene *t
   if (!code && (!worker || !out->value || !out->error))
     code = rad_fail_memory(e, "the means", 16.0 * (double)n);
   for (int t = 0; t < n_thread && !code; t++)
-    code = rad_scratch_init(&r.receivers.mesh, &worker[t].scratch, e);
+    if (!(code = rad_scratch_init(&r.receivers.mesh, &worker[t].scratch, e)) &&
+        !(worker[t].cells = rad_cell_scratch_new()))
+      code = rad_fail_memory(e, "the means", 0);
   if (!code) {
     share_out(&r, &worker[0].first, out->sent);
     run(&r, worker);
     code = finish(&r, n_thread, worker, out, e);
   }
-  for (int t = 0; worker && t < n_thread; t++)
+  for (int t = 0; worker && t < n_thread; t++) {
     rad_scratch_free(&worker[t].scratch);
+    rad_cell_scratch_free(worker[t].cells);
+  }
+  rad_pair_engine_free(&r.engine);
   free(worker);
   rad_receivers_free(&r.receivers);
   free(r.portion);
