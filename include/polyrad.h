@@ -112,8 +112,9 @@ struct polyrad_summary {
  * @param[in]  scene  is copied
  * @param[out] p      to be freed with polyrad_free, also after an error; NULL without memory for it
  * @return POLYRAD_INPUT for NULL where an array is needed, an index out of range, a number that is
- *         not finite, rho outside 0..1, a degenerate or duplicate triangle, a surface without
- *         triangles. Cost and memory n_triangle^2
+ *         not finite, rho outside 0..1, a degenerate or duplicate triangle, triangles of one plane
+ * that face the same way and overlap, a flux below 0 on a face that sees no other, a surface
+ *         without triangles. Cost and memory n_triangle^2
  */
 POLYRAD_API polyrad_status polyrad_create(const struct polyrad_scene *scene, polyrad **p);
 

@@ -9,6 +9,7 @@
 #include "base/memory.h"
 #include "system/coarse.h"
 #include "system/local.h"
+#include "visibility/isolated.h"
 
 /* |inverse| over 1/(1 - kappa), kappa known at the collocation points only: with Gauss points it
  * was never above 1.01 (docs/stability.md). */
@@ -137,6 +138,8 @@ enum rad_code rad_case_prepare(const char *deck, int n_set, const char *const *s
   rad_progress_phase(progress, "visibility");
   if (!code)
     code = rad_visibility_build(&c->scene, &c->visibility, e);
+  if (!code)
+    code = rad_check_isolated(&c->scene, c->deck.path, &c->notes, e);
   c->seconds_scene = rad_seconds() - start;
   if (code)
     return code;

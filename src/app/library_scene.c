@@ -6,6 +6,7 @@
 
 #include "app/library.h"
 #include "base/memory.h"
+#include "visibility/isolated.h"
 
 /* Triangles of which n_triangle^2 is still a size that can be asked for. */
 enum { MAX_TRIANGLE = 100000000 };
@@ -176,7 +177,8 @@ enum rad_code rad_library_scene(const struct polyrad_scene *s, polyrad *p) {
     p->run.scene.emission_at = rad_library_emission;
     p->run.scene.emission_context = p;
   }
-  return code ? code : rad_visibility_build(&p->run.scene, &p->run.visibility, &p->error);
+  code = code ? code : rad_visibility_build(&p->run.scene, &p->run.visibility, &p->error);
+  return code ? code : rad_check_isolated(&p->run.scene, "scene", &p->run.notes, &p->error);
 }
 
 double rad_library_emission(void *context, int triangle, int band, int base, const double mu[2]) {

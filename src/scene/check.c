@@ -14,8 +14,7 @@ static const char *name_of(const struct rad_checked *c, int t) {
   return c->scene->surface_name[c->scene->triangle[t].surface];
 }
 
-/* Path of the file that triangle t comes from. */
-static const char *path_of(const struct rad_checked *c, int t) {
+const char *rad_checked_path(const struct rad_checked *c, int t) {
   return c->number[t] > c->n_deck ? c->mesh_path : c->path;
 }
 
@@ -28,7 +27,7 @@ enum rad_code rad_check_fail(const struct rad_checked *c, int t, struct rad_erro
   va_end(args);
   if (c->scene->triangle[t].line > 0)
     snprintf(line, sizeof line, ":%d", c->scene->triangle[t].line);
-  return rad_fail(e, RAD_EINPUT, "%s%s: error: triangle %d (%s): %s", path_of(c, t), line,
+  return rad_fail(e, RAD_EINPUT, "%s%s: error: triangle %d (%s): %s", rad_checked_path(c, t), line,
                   c->number[t], name_of(c, t), what);
 }
 
@@ -121,33 +120,4 @@ enum rad_code rad_check_duplicates(const struct rad_checked *c, struct rad_error
                         "same vertices and same normal as triangle %d (%s); delete one of them, "
                         "or give them opposite normals to make a slit",
                         c->number[first], name_of(c, first));
-}
-
-static void note_contacts(const struct rad_checked *c, const struct rad_contacts *contacts,
-                          struct rad_notes *notes) {
-  for (int k = 0; k < contacts->n && k < RAD_MAX_CONTACT_NOTES; k++) {
-    int a = contacts->first[k][0], b = contacts->first[k][1];
-    char line[16] = "";
-    if (c->scene->triangle[b].line > 0)
-      snprintf(line, sizeof line, ":%d", c->scene->triangle[b].line);
-    rad_notes_add(notes,
-                  "%s%s: warning: triangle %d (%s) touches triangle %d (%s) other than in a vertex "
-                  "or a whole edge; divide them so that they share vertices and edges",
-                  path_of(c, b), line, c->number[b], name_of(c, b), c->number[a], name_of(c, a));
-  }
-  long more = contacts->n - RAD_MAX_CONTACT_NOTES;
-  if (more > 0)
-    rad_notes_add(notes,
-                  "%s: warning: and %ld more pair%s of triangles touch%s other than in a vertex or "
-                  "a whole edge",
-                  c->path, more, more > 1 ? "s" : "", more > 1 ? "" : "es");
-}
-
-enum rad_code rad_check_contacts(const struct rad_checked *c, struct rad_notes *notes,
-                                 struct rad_error *e) {
-  struct rad_contacts contacts;
-  enum rad_code code = rad_find_contacts(c->scene, c->number, &contacts, e);
-  if (!code)
-    note_contacts(c, &contacts, notes);
-  return code;
 }

@@ -13,6 +13,9 @@ struct rad_checked {
   const int *number; /* [n_triangle] from 1: the deck's, then the mesh's; twins are neighbours */
 };
 
+/* Path of the file that triangle t comes from. */
+const char *rad_checked_path(const struct rad_checked *c, int t);
+
 /**
  * Refuse triangle t: "PATH:LINE: error: triangle 3 (floor): " and the formatted rest; the path is
  * that of the file the triangle comes from.
@@ -35,13 +38,17 @@ enum rad_code rad_check_shapes(const struct rad_checked *c, struct rad_error *e)
  * slit, which is allowed. Cost n log n. */
 enum rad_code rad_check_duplicates(const struct rad_checked *c, struct rad_error *e);
 
+enum { RAD_MAX_CONTACT_NOTES = 20 };
+
 /**
- * Warn of triangles that touch other than in a vertex or a whole edge.
+ * Look at how triangles meet (contact.h).
  *
- * The first RAD_MAX_CONTACT_NOTES pairs in deck order are named, the rest counted; see contact.h.
+ * Refused: triangles of one plane that face the same way and overlap. Warned of: triangles that
+ * cross, then triangles that touch other than in a vertex or a whole edge, RAD_MAX_CONTACT_NOTES
+ * pairs in all in deck order, the rest counted; then surfaces with a flux on faces back to back.
  *
  * @param[out] notes  warnings are appended
- * @return RAD_OK, or RAD_ESYSTEM when out of memory
+ * @return RAD_OK, RAD_EINPUT, or RAD_ESYSTEM when out of memory
  */
 enum rad_code rad_check_contacts(const struct rad_checked *c, struct rad_notes *notes,
                                  struct rad_error *e);

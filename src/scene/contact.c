@@ -1,13 +1,17 @@
 #include "scene/contact.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
 #include "base/vec.h"
 #include "scene/box_pairs.h"
+#include "scene/intersect.h"
 
 #define CONTACT 1e-9      /* of the scene's size: closer is touching */
 #define SMALL_HEIGHT 1e-3 /* of the smaller triangle's height: an upper bound of the tolerance */
+#define ROUNDING 16 /* of coordinates that were turned and shifted, in units of the last place */
+#define FLUSH 1e-12 /* of the larger triangle: heights that count as none when faces see */
 
 /* --- two triangles --- */
 
@@ -116,10 +120,15 @@ static int folded(const double x[3], const double p[3], const double q[3], const
   return fabs(rad_dot(r, a->normal)) <= tolerance && across > tolerance;
 }
 
+static double lowered(double tolerance, const struct rad_triangle *a,
+                      const struct rad_triangle *b) {
+  double height = fmin(a->area / rad_longest_edge(a), b->area / rad_longest_edge(b)) * 2;
+  return fmin(tolerance, SMALL_HEIGHT * height);
+}
+
 int rad_triangles_touch(const struct rad_triangle *a, const struct rad_triangle *b,
                         double tolerance) {
-  double height = fmin(a->area / rad_longest_edge(a), b->area / rad_longest_edge(b)) * 2;
-  tolerance = fmin(tolerance, SMALL_HEIGHT * height);
+  tolerance = lowered(tolerance, a, b);
   int n_shared = 0, shared_a[3] = {0}, shared_b[3] = {0};
   for (int m = 0; m < 3; m++)
     for (int o = 0; o < 3; o++)
@@ -146,37 +155,58 @@ int rad_triangles_touch(const struct rad_triangle *a, const struct rad_triangle 
   return 0;
 }
 
+/* Of a triangle's coordinates. */
+static double rounding_of(const struct rad_triangle *t) {
+  double largest = 0;
+  for (int m = 0; m < 9; m++)
+    largest = fmax(largest, fabs(t->v[m / 3][m % 3]));
+  return ROUNDING * DBL_EPSILON * largest;
+}
+
+static int share_all(const struct rad_triangle *a, const struct rad_triangle *b) {
+  int n = 0;
+  for (int m = 0; m < 9; m++)
+    n += a->vertex[m / 3] == b->vertex[m % 3];
+  return n == 3;
+}
+
+enum rad_contact rad_contact_of(const struct rad_triangle *a, const struct rad_triangle *b,
+                                int two_sided, double tolerance) {
+  double least = fmax(rounding_of(a), rounding_of(b)), above = 0;
+  double lower = fmax(lowered(tolerance, a, b), least);
+  if (share_all(a, b) || rad_triangles_overlap(a, b, lower, &above)) {
+    if (two_sided || rad_dot(a->normal, b->normal) > 0)
+      return RAD_OVERLAPPING;
+    double flush = fmax(FLUSH * fmax(rad_longest_edge(a), rad_longest_edge(b)), least);
+    return above <= flush ? RAD_BACK_TO_BACK : RAD_TOUCHING;
+  }
+  if (rad_triangles_cross(a, b, lower))
+    return RAD_CROSSING;
+  return rad_triangles_touch(a, b, fmax(tolerance, least)) ? RAD_TOUCHING : RAD_APART;
+}
+
 /* --- all of them --- */
 
 struct search {
   const struct rad_scene *scene;
+  const int *number;
   double tolerance;
-  struct rad_contacts *contacts;
+  void (*found)(void *context, int low, int high, enum rad_contact kind);
+  void *context;
 };
 
-static void add_pair(struct rad_contacts *p, int a, int b) {
-  int low = a < b ? a : b, high = a < b ? b : a;
-  int at = p->n < RAD_MAX_CONTACT_NOTES ? (int)p->n : RAD_MAX_CONTACT_NOTES;
-  p->n++;
-  while (at > 0 && (p->first[at - 1][0] > low ||
-                    (p->first[at - 1][0] == low && p->first[at - 1][1] > high))) {
-    at--;
-    if (at + 1 < RAD_MAX_CONTACT_NOTES) {
-      p->first[at + 1][0] = p->first[at][0];
-      p->first[at + 1][1] = p->first[at][1];
-    }
-  }
-  if (at < RAD_MAX_CONTACT_NOTES) {
-    p->first[at][0] = low;
-    p->first[at][1] = high;
-  }
+static int is_two_sided(const struct search *s, int t) {
+  return t + 1 < s->scene->n_triangle && s->number[t] == s->number[t + 1];
 }
 
 static void try_pair(void *context, int a, int b) {
   const struct search *s = context;
   const struct rad_triangle *t = s->scene->triangle;
-  if (rad_triangles_touch(&t[a], &t[b], s->tolerance))
-    add_pair(s->contacts, a, b);
+  int low = a < b ? a : b, high = a < b ? b : a;
+  enum rad_contact kind = rad_contact_of(
+      &t[low], &t[high], is_two_sided(s, low) || is_two_sided(s, high), s->tolerance);
+  if (kind != RAD_APART)
+    s->found(s->context, low, high, kind);
 }
 
 /* Boxes of all triangles but second twins, wider by the tolerance: their number. */
@@ -198,14 +228,18 @@ static int make_boxes(const struct rad_scene *s, const int *number, double toler
 }
 
 enum rad_code rad_find_contacts(const struct rad_scene *s, const int *number,
-                                struct rad_contacts *contacts, struct rad_error *e) {
-  *contacts = (struct rad_contacts){0};
+                                void (*found)(void *context, int low, int high,
+                                              enum rad_contact kind),
+                                void *context, struct rad_error *e) {
   struct rad_box *box = calloc((size_t)s->n_triangle + 1, sizeof *box);
   if (!box)
     return rad_fail_memory(e, "the search for touching triangles",
                            (double)s->n_triangle * sizeof *box);
-  struct search search = {s, CONTACT * s->size, contacts};
-  int n = make_boxes(s, number, search.tolerance, box);
+  double farthest = 0;
+  for (int t = 0; t < s->n_triangle; t++)
+    farthest = fmax(farthest, rounding_of(&s->triangle[t]));
+  struct search search = {s, number, CONTACT * s->size, found, context};
+  int n = make_boxes(s, number, fmax(search.tolerance, farthest), box);
   enum rad_code code = rad_box_pairs(n, box, try_pair, &search, e);
   free(box);
   return code;

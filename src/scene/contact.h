@@ -1,15 +1,15 @@
-/* Triangles that touch other than in a vertex or a whole edge. */
+/* How two triangles meet, if not in a vertex or a whole edge. */
 #ifndef RAD_SCENE_CONTACT_H
 #define RAD_SCENE_CONTACT_H
 
 #include "scene/scene.h"
 
-enum { RAD_MAX_CONTACT_NOTES = 20 };
-
-/* The first pairs in deck order, of all those that were found. */
-struct rad_contacts {
-  long n;
-  int first[RAD_MAX_CONTACT_NOTES][2];
+enum rad_contact {
+  RAD_APART,        /* or no more than a vertex or a whole edge in common */
+  RAD_BACK_TO_BACK, /* one plane, overlapping, facing opposite ways: a slit, or a wall */
+  RAD_TOUCHING,     /* one ends in, or stands on, the other, or on its edge */
+  RAD_CROSSING,     /* one goes through the other */
+  RAD_OVERLAPPING   /* one plane, facing the same way: the common area would count twice */
 };
 
 double rad_longest_edge(const struct rad_triangle *t);
@@ -30,16 +30,32 @@ int rad_triangles_touch(const struct rad_triangle *a, const struct rad_triangle 
                         double tolerance);
 
 /**
- * Find the triangles that touch other than in a vertex or a whole edge.
+ * How triangles a and b meet: by intersect.h, then rad_triangles_touch.
  *
- * Cost n log n, and the number of triangles whose bounding boxes overlap (box_pairs.h).
+ * Faces of one plane that face opposite ways are back to back unless one is in front of the other
+ * by more than 1e-12 of the larger and more than rounding: then they see each other through a gap,
+ * and touch.
  *
- * @param[in]  number    [n_triangle] deck numbers; of neighbours with the same one only the first
- *                       is looked at
- * @param[out] contacts  pairs of scene triangles, the lower number first
+ * @param[in] two_sided  1: one of them radiates on both sides
+ * @param[in] tolerance  [m]; lowered as above, but not below the rounding of the coordinates
+ */
+enum rad_contact rad_contact_of(const struct rad_triangle *a, const struct rad_triangle *b,
+                                int two_sided, double tolerance);
+
+/**
+ * Find all pairs of triangles that meet other than in a vertex or a whole edge.
+ *
+ * Closer than 1e-9 of the scene's size, or than the rounding of its coordinates, is meeting. Cost
+ * n log n, and the number of triangles whose bounding boxes overlap (box_pairs.h).
+ *
+ * @param[in] number  [n_triangle] deck numbers; neighbours with the same one are one triangle that
+ *                    radiates on both sides, the first of which is handed on
+ * @param[in] found   called for every pair but RAD_APART, low < high, once and in no order
  * @return RAD_OK, or RAD_ESYSTEM when out of memory
  */
 enum rad_code rad_find_contacts(const struct rad_scene *scene, const int *number,
-                                struct rad_contacts *contacts, struct rad_error *e);
+                                void (*found)(void *context, int low, int high,
+                                              enum rad_contact kind),
+                                void *context, struct rad_error *e);
 
 #endif

@@ -58,10 +58,11 @@ struct rad_scene {
  * Vertices closer than 1e-10 of the scene's size are one vertex. `side: both` makes two triangles,
  * back to back, with consecutive numbers, the front first; a side that is not given is the front.
  * Normals are the geometric ones, also where the deck gives one. Refused: a degenerate triangle,
- * two triangles with the same vertices and the same normal, numbers that are not finite, rho
+ * two triangles with the same vertices and the same normal, or of one plane with the same normal
+ * and area in common, numbers that are not finite, rho
  * outside 0..1, a normal that is not perpendicular (1e-6), a triangle without rho or emission, or
  * with these and a temperature or flux, a surface that no triangle names. Warned: triangles that
- * touch other than in a vertex or a whole edge.
+ * cross, or touch other than in a vertex or a whole edge, and a flux on both sides of a sheet.
  *
  * @param[out] scene  to be freed with rad_scene_free, also after an error
  * @param[out] notes  warnings are appended

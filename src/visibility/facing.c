@@ -1,8 +1,11 @@
 #include "visibility/facing.h"
 
+#include <float.h>
+
 #include "base/vec.h"
 
 #define IN_PLANE 1e-12 /* height over extent or distance that counts as zero: rounding */
+#define ROUNDING (16 * DBL_EPSILON) /* height over the distance from the origin: the same */
 
 static double square_of_distance(const double a[3], const double b[3]) {
   double d[3];
@@ -34,8 +37,10 @@ static inline double height_of(const struct rad_triangle *i, const struct rad_tr
   double r[3];
   rad_sub(j->v[m], i->v[0], r);
   double height = rad_dot(i->normal, r), zero = IN_PLANE * IN_PLANE;
-  if (height * height <= zero * rad_dot(r, r) || vertex == i->vertex[0] || vertex == i->vertex[1] ||
-      vertex == i->vertex[2] || height * height <= zero * common_extent(i, j, extent))
+  double rounding = ROUNDING * ROUNDING * rad_dot(j->v[m], j->v[m]);
+  if (height * height <= zero * rad_dot(r, r) || height * height <= rounding ||
+      vertex == i->vertex[0] || vertex == i->vertex[1] || vertex == i->vertex[2] ||
+      height * height <= zero * common_extent(i, j, extent))
     return 0;
   return height;
 }

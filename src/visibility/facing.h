@@ -15,7 +15,8 @@ enum rad_side_of_plane {
  * Heights n_i.(y - v) [m] of the vertices y of j above the plane of i.
  *
  * Zero for vertices shared with i, and below 1e-12 of the larger triangle's extent, or of |y - v|
- * if that is more.
+ * if that is more; and below the rounding of y, 3.6e-15 |y|, which counts far from the origin: a
+ * block that rests on a floor there sees nothing of it.
  */
 void rad_heights(const struct rad_triangle *i, const struct rad_triangle *j, double h[3]);
 

@@ -362,6 +362,8 @@ END_TEST
 START_TEST(same_bits) {
   static const struct rad_deck_method *const method[] = {&method_constant, &method_graded};
   static const int threads[] = {1, 2, 7};
+  static const struct motion beside = {
+      .axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .shift = {2}, .scale = 1};
   int before = omp_get_max_threads();
   for (int m = 0; m < 2; m++) {
     double *first = NULL;
@@ -372,7 +374,7 @@ START_TEST(same_bits) {
       struct rad_dense dense;
       omp_set_num_threads(threads[t]);
       if (m == 0)
-        add_cells(&deck, &still, 2);
+        add_cells(&deck, &beside, 2);
       add_room_with(&deck, STANDING);
       room_make(&deck, &room);
       assemble(&room, method[m], 1e-6, &mesh, &dense);

@@ -306,6 +306,39 @@ START_TEST(function_that_fails) {
 }
 END_TEST
 
+/* ---- warnings -------------------------------------------------------------------------------- */
+
+/* A tetrahedron by itself, and a sheet with a flux on both sides: what it is told. */
+START_TEST(warnings) {
+  static const double corners[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+  static const int outwards[] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3}, sheet[] = {0, 1, 2, 0, 2, 1};
+  static const double half[] = {0.5, 0.5, 0.5, 0.5}, one[] = {1, 1};
+  struct polyrad_scene s = {.n_vertex = 4,
+                            .vertex = corners,
+                            .n_triangle = 4,
+                            .triangle = outwards,
+                            .rho = half,
+                            .emission = half};
+  polyrad *p = create(&s);
+  ck_assert_ptr_nonnull(strstr(polyrad_warning(p, 0), "closed shell of 4 triangles"));
+  ck_assert_ptr_nonnull(strstr(polyrad_warning(p, 1), "no face of the scene sees another"));
+  ck_assert_ptr_null(polyrad_warning(p, 2));
+  polyrad_free(p);
+  s = (struct polyrad_scene){.n_vertex = 4,
+                             .vertex = corners,
+                             .n_triangle = 2,
+                             .triangle = sheet,
+                             .emissivity = half,
+                             .flux = one};
+  p = create(&s);
+  ck_assert_ptr_nonnull(strstr(polyrad_warning(p, 0), "has a flux and two sides"));
+  ck_assert_ptr_nonnull(strstr(polyrad_warning(p, 1), "no face of the scene sees another"));
+  ck_assert_ptr_nonnull(strstr(polyrad_warning(p, 2), "2 of its 2 triangles see no other face"));
+  ck_assert_ptr_null(polyrad_warning(p, 3));
+  polyrad_free(p);
+}
+END_TEST
+
 /* ---- errors ---------------------------------------------------------------------------------- */
 
 static void refuse(const struct polyrad_scene *scene, const char *part) {
@@ -326,6 +359,8 @@ START_TEST(bad_scenes) {
   static const double more[] = {0.5, 1.1, 0}, not [] = {0, NAN, 0}, many[] = {0, INFINITY, 1};
   static const char *const same[] = {"a", "b", "a"}, *const none[] = {"a", NULL, "b"};
   static const double off[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, NAN, 1};
+  static const double rug[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0.9, 0.9, 0};
+  static const int on_floor[] = {0, 1, 2, 0, 1, 3, 1, 2, 3};
   refuse(NULL, "scene is NULL");
 #define REFUSE(field, value, part)                                                                 \
   do {                                                                                             \
@@ -351,6 +386,10 @@ START_TEST(bad_scenes) {
   REFUSE(triangle, flat, "triangle 2 (wall_x0): degenerate");
   REFUSE(triangle, twice, "same vertices and same normal as triangle 1");
   REFUSE(vertex, off, "coordinate that is not finite");
+  struct polyrad_scene covered = corner();
+  covered.vertex = rug;
+  covered.triangle = on_floor;
+  refuse(&covered, "triangle 2 (wall_x0): overlaps triangle 1 (");
   REFUSE(rho, more, "triangle 2 (wall_x0): rho is 1.1");
   REFUSE(rho, not, "rho is nan");
   REFUSE(emission, many, "emission is not finite");
@@ -474,6 +513,7 @@ int main(void) {
   tcase_add_test(t, black_function);
   tcase_add_test(t, polar_function);
   tcase_add_test(t, function_that_fails);
+  tcase_add_test(t, warnings);
   tcase_add_test(t, bad_scenes);
   tcase_add_test(t, bad_calls);
   tcase_add_test(t, closed_and_white);

@@ -343,7 +343,7 @@ enum { FOOT_CUBE = 1 << 2, MIDDLE_CUBE = 1 << 4 };
 static struct rad_scene block_scene(const struct motion *motion, unsigned cubes, int plates,
                                     int ring) {
   static const double floor[3] = {-2, -2, 0}, ceiling[3] = {-2, -2, 4};
-  static const double slit[2][3] = {{0.5, 1, 0}, {1, 1, 2.5}};
+  static const double slit[2][3] = {{0.75, 1, 0}, {1, 1, 2.5}}; /* on no block's face */
   struct rad_deck deck = {0};
   if (ring)
     add_ring(&deck, motion);
