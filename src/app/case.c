@@ -164,6 +164,10 @@ enum rad_code rad_case_prepare(const char *deck, int n_set, const char *const *s
   return code ? code : rad_case_check_probes(c, e);
 }
 
+int rad_case_is_read(const struct rad_case *c) {
+  return c->deck.output.file != NULL; /* it has a default */
+}
+
 /* rho and E at the collocation points. */
 static enum rad_code set_data(struct rad_case *c, struct rad_error *e) {
   const struct rad_mesh *m = c->mesh;

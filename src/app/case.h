@@ -56,6 +56,9 @@ enum rad_code rad_case_prepare(const char *deck, int n_set, const char *const *s
                                struct rad_progress *progress, struct rad_case *c,
                                struct rad_error *e);
 
+/* True if the deck was read, whatever came after. */
+int rad_case_is_read(const struct rad_case *c);
+
 /* mesh -> system -> solution; an adaptive case makes its meshes here. When the tolerance could not
  * be reached, c->adaptive.reason says why and report.converged is 0. */
 enum rad_code rad_case_solve(struct rad_case *c, struct rad_error *e);

@@ -156,6 +156,12 @@ enum rad_code rad_case_stopped(struct rad_case *c, const struct rad_command *com
                     "stopped by %s; nothing is written: with --checkpoint FILE the work would have "
                     "been kept",
                     rad_stop_name());
+  if (!rad_case_is_read(c)) /* it comes from a pipe */
+    return rad_fail(
+        e, RAD_ECHECKPOINT,
+        "stopped by %s before the deck was read; nothing is written: to begin, give the "
+        "same command again",
+        rad_stop_name());
   int is_old, again = command->restart && !strcmp(path, command->restart);
   enum rad_code code = rad_case_keep(c, command, started, &is_old, e);
   if (code)

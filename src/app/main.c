@@ -52,7 +52,7 @@ struct verb {
   const char *name;
   verb_function *function;
   const char *operand;
-  int writes; /* signals are to find no half-written file */
+  int writes; /* a signal is to find no half-written file, and may leave a checkpoint */
 };
 
 static const struct verb verbs[] = {
@@ -201,7 +201,7 @@ static enum rad_code run_verb(const struct verb *verb, int argc, char **argv, st
   char *line = join(argc, argv);
   enum rad_code code = RAD_OK;
   int asks_help = 0;
-  c.file = calloc((size_t)argc, sizeof *c.file);
+  c.file = calloc(argc > 0 ? (size_t)argc : 1, sizeof *c.file);
   if (!line || !c.file)
     code = rad_fail(e, RAD_ESYSTEM, "error: out of memory for the command line");
   for (int i = 2; i < argc && !code && !asks_help; i++) {
@@ -212,8 +212,6 @@ static enum rad_code run_verb(const struct verb *verb, int argc, char **argv, st
   if (asks_help && !code)
     fputs(usage, stdout);
   else if (!code && !(code = check_files(verb, &c, e))) {
-    if (verb->writes)
-      rad_stop_on_signals();
     if (c.threads)
       omp_set_num_threads(c.threads);
     c.line = line;
@@ -224,31 +222,42 @@ static enum rad_code run_verb(const struct verb *verb, int argc, char **argv, st
   return code;
 }
 
+/* NULL: there is none of that name. */
+static const struct verb *find_verb(const char *word) {
+  for (size_t i = 0; i < sizeof verbs / sizeof *verbs; i++)
+    if (!strcmp(word, verbs[i].name))
+      return &verbs[i];
+  return NULL;
+}
+
 int main(int argc, char **argv) {
+  rad_stop_on_signals(); /* before all else: no signal is to find a run that is not ready for it */
   struct rad_error e = {0};
 #ifdef SIGXFSZ
   signal(SIGXFSZ, SIG_IGN); /* a file size limit is then an error of write, and told as one */
 #endif
   const char *word = argc > 1 ? argv[1] : "--help";
+  const struct verb *verb = find_verb(word);
+  if (!verb || !verb->writes)
+    rad_stop_release();
   if (!strcmp(word, "--version"))
     return print_version();
   if (!strcmp(word, "--help") || !strcmp(word, "-h")) {
     fputs(usage, argc > 1 ? stdout : stderr);
     return argc > 1 ? RAD_OK : RAD_EINPUT;
   }
-  for (size_t i = 0; i < sizeof verbs / sizeof *verbs; i++)
-    if (!strcmp(word, verbs[i].name)) {
-      enum rad_code code = run_verb(&verbs[i], argc, argv, &e);
-      if (code)
-        fprintf(stderr, "%s\n", e.text);
-      if (code == RAD_ESTOPPED)
-        rad_stop_die();
-      if (fflush(stdout) && !code) {
-        fprintf(stderr, "error: the summary could not be written to standard output\n");
-        return RAD_ESYSTEM;
-      }
-      return code;
-    }
-  fprintf(stderr, "error: unknown command '%s'; polyrad --help lists them\n", word);
-  return RAD_EINPUT;
+  if (!verb) {
+    fprintf(stderr, "error: unknown command '%s'; polyrad --help lists them\n", word);
+    return RAD_EINPUT;
+  }
+  enum rad_code code = run_verb(verb, argc, argv, &e);
+  if (code)
+    fprintf(stderr, "%s\n", e.text);
+  if (code == RAD_ESTOPPED)
+    rad_stop_die();
+  if (fflush(stdout) && !code) {
+    fprintf(stderr, "error: the summary could not be written to standard output\n");
+    return RAD_ESYSTEM;
+  }
+  return code;
 }

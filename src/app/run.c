@@ -242,10 +242,13 @@ static int is_same_file(const char *a, const char *b) {
                            x.st_dev == y.st_dev && S_ISREG(x.st_mode));
 }
 
-/* Writing over the deck would lose it. */
+/* Writing over the deck would lose it: so far the run is RAD_OK, or was stopped and may write a
+ * checkpoint. */
 static enum rad_code refuse_overwrite(const struct rad_case *c, const struct rad_command *command,
-                                      struct rad_error *e) {
+                                      enum rad_code so_far, struct rad_error *e) {
   const char *path = command->output ? command->output : c->deck.output.file;
+  if (!rad_case_is_read(c))
+    return so_far;
   if (is_same_file(c->deck.path, path))
     return rad_fail(e, RAD_EINPUT,
                     "%s: error: the result would overwrite the deck; give another file by -o",
@@ -255,7 +258,8 @@ static enum rad_code refuse_overwrite(const struct rad_case *c, const struct rad
     return rad_fail(e, RAD_EINPUT,
                     "error: the checkpoint would overwrite the deck or the result; give another "
                     "file by --checkpoint");
-  return command->checkpoint ? rad_save_try(command->checkpoint, e) : RAD_OK;
+  enum rad_code code = command->checkpoint ? rad_save_try(command->checkpoint, e) : RAD_OK;
+  return code ? code : so_far;
 }
 
 static void warn(const struct rad_case *c, FILE *log) {
@@ -312,8 +316,8 @@ enum rad_code rad_app_run(const struct rad_command *command, struct rad_error *e
       rad_case_prepare(command->deck, command->n_set, command->set, progress, &c, e);
   rad_progress_clear(progress);
   print_notes(&c, command->log);
-  if (!code)
-    code = refuse_overwrite(&c, command, e);
+  if (!code || code == RAD_ESTOPPED)
+    code = refuse_overwrite(&c, command, code, e);
   if (!code && restart)
     code = rad_case_restart(&c, restart, e);
   else if (!code && command->joins)

@@ -1,9 +1,15 @@
 #include "base/stop.h"
 
+#include <errno.h>
+#include <poll.h>
 #include <signal.h>
 #include <stdatomic.h>
 #include <stddef.h>
 
+enum { N_SIGNAL = 2, LOOK_EVERY = 100 /* ms */ };
+
+static const int number_of[N_SIGNAL] = {SIGTERM, SIGUSR1};
+static struct sigaction before[N_SIGNAL];
 static atomic_int asked; /* lock-free: may be set by a handler and read by any thread */
 
 static void ask(int number) {
@@ -13,13 +19,40 @@ static void ask(int number) {
 
 void rad_stop_on_signals(void) {
   struct sigaction action = {.sa_handler = ask, .sa_flags = SA_RESTART};
+  sigset_t both;
   sigemptyset(&action.sa_mask);
-  sigaction(SIGTERM, &action, NULL);
-  sigaction(SIGUSR1, &action, NULL);
+  sigemptyset(&both);
+  for (int i = 0; i < N_SIGNAL; i++) {
+    sigaction(number_of[i], &action, &before[i]);
+    sigaddset(&both, number_of[i]);
+  }
+  sigprocmask(SIG_UNBLOCK, &both, NULL);
+}
+
+void rad_stop_release(void) {
+  for (int i = 0; i < N_SIGNAL; i++)
+    sigaction(number_of[i], &before[i], NULL);
+  const int number = atomic_exchange(&asked, 0);
+  if (number)
+    raise(number);
 }
 
 int rad_stop_asked(void) {
   return atomic_load_explicit(&asked, memory_order_relaxed);
+}
+
+/* A read would be begun anew after the signal. The flag is looked at again and again, for the
+ * signal may come between the look and the wait. */
+int rad_stop_await(int fd) {
+  struct pollfd p = {.fd = fd, .events = POLLIN};
+  for (;;) {
+    const int stop = rad_stop_asked();
+    const int n = poll(&p, 1, stop ? 0 : LOOK_EVERY);
+    if (n > 0 || (n < 0 && errno != EINTR))
+      return 1; /* an error is for read to tell */
+    if (stop)
+      return 0;
+  }
 }
 
 const char *rad_stop_name(void) {

@@ -2,6 +2,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "output/hdf.h"
 
@@ -40,6 +41,10 @@ static enum rad_code refuse(const char *path, struct rad_error *e) {
 }
 
 enum rad_code rad_hdf_open(const char *path, hid_t *file, hid_t *root, struct rad_error *e) {
+  struct stat is;
+  if (stat(path, &is) == 0 && S_ISFIFO(is.st_mode)) /* HDF5 would wait for who writes to it */
+    return rad_fail(e, RAD_ESYSTEM,
+                    "cannot read %s: it is a pipe; name a file that `polyrad run` wrote", path);
   *file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
   if (*file < 0)
     return refuse(path, e);

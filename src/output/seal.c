@@ -80,7 +80,7 @@ static enum rad_code look(int fd, const char *path, const char *kind, struct rad
 }
 
 enum rad_code rad_seal_check(const char *path, const char *kind, struct rad_error *e) {
-  const int fd = open(path, O_RDONLY | O_CLOEXEC);
+  const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* no wait for a pipe's writer */
   if (fd < 0)
     return rad_fail(e, RAD_ESYSTEM, "cannot read %.400s: %s; check the name and its permissions",
                     path, strerror(errno));

@@ -12,10 +12,10 @@ import random
 import shutil
 import signal
 import subprocess
-import time
 import unittest
 
 import test_cli
+from waiting import HANG, is_larger, until, until_ready, used_by_children
 
 FULL = os.environ.get("POLYRAD_TEST_FULL") == "1"
 SEED = int(os.environ.get("RAD_TEST_SEED", "2003"))
@@ -24,8 +24,6 @@ LARGE = ("--threads", "1", "--set", "method.elements=1", "--set", "output.sampli
 
 
 class Case(test_cli.Case):
-    seconds = 300  # reading a million triangles takes 3 s, more on a busy machine
-
     def start(self, *words, **more):
         env = dict(os.environ, LC_ALL="C")
         return subprocess.Popen([test_cli.PROGRAM, *words], cwd=self.folder, env=env, text=True,
@@ -57,18 +55,13 @@ class Case(test_cli.Case):
 
 
 class Killed(Case):
-    def wait_for_file(self, p, name):
-        """Until the run begins to write, or ends."""
-        while p.poll() is None and not os.path.exists(self.path(name)):
-            time.sleep(0.0002)
-
     def test_kill_at_random_moments(self):
         """The file is the old or the new one, whole; at most one .tmp is left, and told from it. Every
         second kill strikes while the file is being written."""
         chance = random.Random(SEED)
-        started = time.monotonic()
+        before = used_by_children()
         new = self.run_large("out.h5", 0.25)
-        whole = time.monotonic() - started
+        whole = used_by_children() - before
         old = self.run_large("out.h5", 0.5)
         before = self.read("out.h5")
         self.assertNotEqual(old, new)
@@ -79,8 +72,10 @@ class Killed(Case):
                            "scene.triangles.0.rho=0.25")
             temporary = "out.h5.%d.tmp" % p.pid
             if k % 2:
-                self.wait_for_file(p, temporary)
-            time.sleep(chance.uniform(0, 0.003 if k % 2 else whole))
+                size = chance.randrange(-1, len(before) * 5 // 4)  # larger than it gets: the run ends
+                until(p, lambda: is_larger(self.path(temporary), size))
+            else:
+                until_ready(p, signal.SIGTERM, chance.uniform(0, whole))
             p.kill()
             message = p.communicate()[1]
             self.assertIn(p.returncode, (0, -signal.SIGKILL), message)
@@ -95,18 +90,19 @@ class Killed(Case):
         self.assertTrue(self.run_large("out.h5", 0.25) == new)
 
     def test_interrupted(self):
-        """Control-C and a batch system's SIGTERM leave nothing behind."""
+        """Control-C and a batch system's SIGTERM leave nothing behind. The run takes some seconds."""
         self.run_large("out.h5", 0.5)
         before = self.read("out.h5")
         for number in (signal.SIGINT, signal.SIGTERM):
-            p = self.start("run", test_cli.CORNER, "-o", "out.h5", "--quiet", "--set",
-                           "method.elements=16")
-            time.sleep(0.3)
-            p.send_signal(number)
-            p.communicate()
-            self.assertEqual(p.returncode, -number)
-            self.assertEqual(self.files(), ["out.h5"])
-            self.assertEqual(self.read("out.h5"), before)
+            for moment in (0, 0.1):
+                p = self.start("run", test_cli.CORNER, "-o", "out.h5", "--quiet", "--set",
+                               "method.elements=16")
+                until_ready(p, signal.SIGTERM, moment)
+                p.send_signal(number)
+                p.communicate()
+                self.assertEqual(p.returncode, -number)
+                self.assertEqual(self.files(), ["out.h5"])
+                self.assertEqual(self.read("out.h5"), before)
 
 
 class Disks(Case):
@@ -169,7 +165,7 @@ class TwoWriters(Case):
             pair = [self.start("run", test_cli.CORNER, "-o", "out.h5", "--quiet", *LARGE, "--set",
                                "scene.triangles.0.rho=%g" % rho) for rho in (0.25, 0.5)]
             for p in pair:
-                message = p.communicate(timeout=self.seconds)[1]
+                message = p.communicate(timeout=HANG)[1]
                 self.assertEqual((p.returncode, message), (0, ""))
             self.assertTrue(self.content("out.h5") in results)
             self.assertEqual(self.files(), ["0.h5", "1.h5", "out.h5"])
@@ -194,19 +190,22 @@ class Checkpoints(Case):
              "method.elements=4", "--set", "method.quadrature_tolerance=1e-13", "--checkpoint", "c.ck",
              "--restart", "c.ck")
 
-    def stop(self, seconds):
-        """Ask the run to stop; the process, which now writes its checkpoint."""
+    def stop(self, moment):
+        """Ask the run to stop when it has worked for a moment; the process, which now writes its checkpoint."""
         p = self.start(*self.words)
-        time.sleep(seconds)
+        until_ready(p, signal.SIGUSR1, moment)
         p.send_signal(signal.SIGUSR1)
         return p
 
     def write_checkpoint(self):
-        for k in range(8):  # later on a machine where the program starts slowly, until it has begun
-            p = self.stop(0.1 * 2 ** k)
-            p.communicate(timeout=self.seconds)
+        """In the middle of the run; the moment, at which it can be stopped again."""
+        moment = 0.3
+        for _ in range(8):  # earlier on a quick machine
+            p = self.stop(moment)
+            p.communicate(timeout=HANG)
             if p.returncode == 85:
-                return
+                return moment
+            moment /= 2
         self.fail("the run could not be stopped on its way")
 
     def test_cut_short(self):
@@ -224,13 +223,12 @@ class Checkpoints(Case):
 
     def test_killed_while_it_is_written(self):
         """What was there before is whole, and a run goes on from it."""
-        self.write_checkpoint()
+        moment = self.write_checkpoint()
         before = self.read("c.ck")
         for k in range(20 if FULL else 2):
-            p = self.stop(0.2)
+            p = self.stop(moment)
             temporary = "c.ck.%d.tmp" % p.pid
-            while p.poll() is None and not os.path.exists(self.path(temporary)):
-                time.sleep(0.0005)
+            until(p, lambda: os.path.exists(self.path(temporary)))
             p.kill()
             p.communicate()
             left = set(self.files()) - {"out.h5"}

@@ -28,7 +28,7 @@ def packages():
 
 def simulate(names):
     return subprocess.run(["apt-get", "install", "--simulate", "-qq", "--no-install-recommends", *names],
-                          capture_output=True, text=True, timeout=100)
+                          capture_output=True, text=True, timeout=900)
 
 
 class Container(unittest.TestCase):

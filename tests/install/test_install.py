@@ -21,7 +21,7 @@ CALLS = {"create", "solve", "get_summary", "evaluate", "evaluate_at", "surface_m
 
 def run(*command, **more):
     p = subprocess.run([str(c) for c in command], text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                       timeout=300, **more)
+                       timeout=900, **more)
     if p.returncode:
         raise AssertionError(f"{command}: {p.returncode}\n{p.stdout}")
     return p.stdout

@@ -14,6 +14,7 @@ import time
 PROGRAMS = ("munged", "mungekey", "slurmctld", "slurmd", "sbatch", "squeue", "scontrol")
 
 # cred_expire: a requeued job waits as long as its credential could be used again, 120 s by default.
+# The timeouts are those of a machine that is busy with much else.
 CONFIGURATION = """\
 ClusterName=polyrad
 SlurmctldHost=localhost(127.0.0.1)
@@ -41,6 +42,9 @@ JobCompType=jobcomp/none
 ReturnToService=2
 InactiveLimit=0
 KillWait=2
+MessageTimeout=100
+TCPTimeout=60
+BatchStartTimeout=300
 MinJobAge=300
 SchedulerType=sched/backfill
 SchedulerParameters=batch_sched_delay=0,sched_min_interval=0,defer_batch,bf_interval=1,sched_interval=1
@@ -71,6 +75,9 @@ def free_ports(n):
     return ports
 
 
+HANG = 900  # [s] longer than anything takes that does not hang
+
+
 class Cluster:
     """with Cluster() as c: c.submit(...), c.wait(job)."""
 
@@ -91,7 +98,7 @@ class Cluster:
             daemon.terminate()
         for daemon in reversed(self.daemons):
             try:
-                daemon.wait(10)
+                daemon.wait(60)
             except subprocess.TimeoutExpired:
                 daemon.kill()
                 daemon.wait()
@@ -126,8 +133,8 @@ class Cluster:
         self.daemon("slurmd", "-D", "-f", self.path("slurm.conf"))
         self.until(lambda: "idle" in self.call("sinfo", "-h", "-o", "%t", check=False), "the node")
 
-    def until(self, condition, what, seconds=60):
-        end = time.monotonic() + seconds
+    def until(self, condition, what):
+        end = time.monotonic() + HANG
         while not condition():
             dead = [d.args[0] for d in self.daemons if d.poll() is not None]
             if dead or time.monotonic() > end:
@@ -145,7 +152,7 @@ class Cluster:
 
     def call(self, *words, check=True, **more):
         p = subprocess.run(words, env=self.environment, text=True, stdout=subprocess.PIPE,
-                           stderr=subprocess.STDOUT, timeout=60, **more)
+                           stderr=subprocess.STDOUT, timeout=HANG, **more)
         if check and p.returncode:
             raise RuntimeError("%s: %s\n%s" % (" ".join(words), p.stdout, self.logs()))
         return p.stdout
@@ -159,10 +166,10 @@ class Cluster:
         text = self.call("squeue", "-h", "-t", "all", "-j", job, "-o", "%i %T", "-r")
         return dict(line.split() for line in text.splitlines())
 
-    def wait(self, job, seconds=120):
+    def wait(self, job):
         """Until nothing of the job is left to do; the states."""
         over = {"COMPLETED", "FAILED", "CANCELLED", "TIMEOUT", "NODE_FAIL", "OUT_OF_MEMORY", "DEADLINE"}
-        end = time.monotonic() + seconds
+        end = time.monotonic() + HANG
         while True:
             states = self.state(job)
             if states and set(states.values()) <= over:

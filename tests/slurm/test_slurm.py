@@ -19,20 +19,23 @@ TOOLS = os.path.join(ROOT, "tools", "slurm")
 JOB = os.path.join(TOOLS, "job.sbatch")
 CORNER = os.path.join(INPUTS, "cube_corner.yml")
 STUDY = "study: {vary: {method.grading: [1, 2], method.elements: [1, 2]}}\n"
-LONG = ("--set", "method.elements=8", "--set", "method.solver=lu")  # some seconds on one thread
+# About a second on one thread.
+LONG = ("--set", "method.elements=4", "--set", "method.solver=lu", "--set", "method.quadrature_tolerance=1e-13")
 
 # A program in polyrad's place that is held up on its first run, so that whatever the machine's speed it
 # meets the time limit in the midst of its work. Everything else, and every signal, is polyrad's.
 SLOW = """\
 #!/usr/bin/env python3
-import os, signal, subprocess, sys, time
+import os, signal, subprocess, sys
+sys.path.insert(0, %r)
+from waiting import until_ready
 p = subprocess.Popen([%r] + sys.argv[1:])
 def stop(*_):
     p.send_signal(signal.SIGCONT)
     p.send_signal(signal.SIGUSR1)
 signal.signal(signal.SIGUSR1, stop)
 if sys.argv[1] == "run" and not os.environ.get("SLURM_RESTART_COUNT"):
-    time.sleep(1)
+    until_ready(p, signal.SIGUSR1, 0.1)
     p.send_signal(signal.SIGSTOP)
 sys.exit(p.wait())
 """
@@ -50,7 +53,7 @@ class Slurm(unittest.TestCase):
         os.mkdir(cls.folder)
         with open(CORNER) as f:
             cls.write("deck.yml", f.read() + STUDY)
-        cls.write("slow", SLOW % PROGRAM)
+        cls.write("slow", SLOW % (os.path.join(ROOT, "tests", "cli"), PROGRAM))
         os.chmod(os.path.join(cls.folder, "slow"), 0o755)
         # Slurm signals up to 30 s early, and looks every 30 s: at once, and not at the very end.
         cls.cut = cls.submit("--time=1", "--signal=B:USR1@55", "--output=cut.log", JOB, "run",

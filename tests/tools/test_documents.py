@@ -90,7 +90,7 @@ class Documents(unittest.TestCase):
             PYTHONPATH=str(ROOT / "python"),
             POLYRAD_LIBRARY=str(PROGRAM.parent / "libpolyrad.so"),
         )
-        done = subprocess.run(command, cwd=folder, env=env, capture_output=True, text=True, timeout=250)
+        done = subprocess.run(command, cwd=folder, env=env, capture_output=True, text=True, timeout=900)
         if done.returncode == 3 and "render" in text and "PyPI" in done.stderr + done.stdout:
             self.skipTest(done.stderr.strip())
         self.assertEqual(done.returncode, 0, f"{text}\n{done.stdout}\n{done.stderr}")

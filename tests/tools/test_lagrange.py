@@ -75,7 +75,7 @@ class Lagrange(unittest.TestCase):
         path = self.folder / "x.vtkhdf"
         words = [w for key in ("output.cells=lagrange", *more) for w in ("--set", key)]
         subprocess.run([PROGRAM, "run", ROOT / "inputs/cube_corner.yml", "--quiet", "-o", path, *words],
-                       check=True, timeout=100)
+                       check=True, timeout=900)
         reader = vtk.vtkHDFReader()
         reader.SetFileName(str(path))
         reader.Update()

@@ -247,7 +247,7 @@ class Pages(Folder):
         out = self.folder / "page.png"
         command = [CHROMIUM, *FLAGS, f"--user-data-dir={self.folder / 'profile'}"]
         command += [f"--screenshot={out}", page.as_uri()]
-        made = subprocess.run(command, capture_output=True, text=True, timeout=100)
+        made = subprocess.run(command, capture_output=True, text=True, timeout=900)
         self.assertTrue(out.exists(), made.stderr)
         return matplotlib.image.imread(out)[:, :, :3]
 
@@ -309,7 +309,7 @@ class Readers(Folder):
             self.skipTest(f"no program {program}")
         path = self.folder / "cube.vtkhdf"
         command = [program, "run", ROOT / "inputs/cube_corner.yml", "--quiet", "-o", path]
-        subprocess.run(command, check=True, timeout=100)
+        subprocess.run(command, check=True, timeout=900)
         grid = self.read(path)
         with h5py.File(path) as file:
             for kind, data in {
