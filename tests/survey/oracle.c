@@ -1,0 +1,57 @@
+// survey_oracle FILE means|factors|rays [first=N] [most=N] [replicates=N] [lamps=N] [target=X] [seed=N]
+// Lines `what i j value standard_error`: factor i j (from i to j), row_sum i 0, direct_irradiance i band (by
+// emission alone); irradiance, radiosity and net (radiosity less irradiance) of surface i in a band.
+#include "oracle.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool power_of_two(double x)
+{
+  for (double p = 1; p <= 1 << 24; p *= 2)
+    if (x == p)
+      return true;
+  return false;
+}
+
+static void set(struct oracle_settings *o, const char *text)
+{
+  const char *equal = strchr(text, '=');
+  const double x = equal ? atof(equal + 1) : 0;
+  const size_t n = equal ? (size_t)(equal - text) : 0;
+  if (n == 5 && !strncmp(text, "first", n) && power_of_two(x))
+    o->first = (uint32_t)x;
+  else if (n == 4 && !strncmp(text, "most", n) && power_of_two(x))
+    o->most = (uint32_t)x;
+  else if (n == 10 && !strncmp(text, "replicates", n) && x >= 2 && x <= oracle_replicates)
+    o->replicates = (int)x;
+  else if (n == 5 && !strncmp(text, "lamps", n) && x >= 0)
+    o->lamps = (int)x;
+  else if (n == 6 && !strncmp(text, "target", n) && x >= 0)
+    o->target = x;
+  else if (n == 4 && !strncmp(text, "seed", n))
+    o->seed = (uint64_t)x;
+  else
+    oracle_die("what is %s?", text);
+}
+
+int main(int argc, char **argv)
+{
+  struct oracle_settings o = {.first = 64, .most = 1024, .replicates = 16, .lamps = 4, .target = 1e-5, .seed = 1};
+  if (argc < 3)
+    oracle_die("usage: FILE means|factors|rays [first=N] [most=N] [replicates=N] [lamps=N] [target=X] [seed=N]");
+  for (int i = 3; i < argc; i++)
+    set(&o, argv[i]);
+  struct oracle_scene *s = oracle_read(argv[1]);
+  if (!strcmp(argv[2], "means"))
+    oracle_means(s, &o);
+  else if (!strcmp(argv[2], "factors"))
+    oracle_factors(s, &o);
+  else if (!strcmp(argv[2], "rays"))
+    oracle_rays(s, &o);
+  else
+    oracle_die("what is %s?", argv[2]);
+  oracle_free(s);
+  return 0;
+}
