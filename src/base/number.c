@@ -91,6 +91,8 @@ void rad_number_with_error(double value, double error, char *text, size_t size) 
   int last = (int)floor(log10(error)) - 1; /* exponent of the last digit that is written */
   double unit = pow(10, last);
   double shown = ceil(error / unit + 0.5) * unit; /* and half a digit for the value's rounding */
+  if (fabs(value) < 0.5 * unit)
+    value = 0; /* and not -0 */
   if (last >= LEAST_EXPONENT && last <= MOST_EXPONENT) {
     snprintf(text, size, "%.*f +- %.*f", -last, value, -last, shown);
     return;

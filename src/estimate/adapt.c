@@ -272,18 +272,30 @@ static enum rad_code level(const struct rad_scene *scene, const struct rad_goal 
   return RAD_OK;
 }
 
+/* z, and what integrals and compression leave in u* itself. */
+static double *bound_sources(const struct rad_adaptive *a) {
+  double *sum = rad_alloc((size_t)a->mesh->n_element, sizeof(double));
+  for (int i = 0; sum && i < a->mesh->n_element; i++)
+    sum[i] = a->element_bound[i] +
+             rad_reflects(a, rad_element_triangle(a->mesh, i)) * (a->quadrature + a->h2.error);
+  return sum;
+}
+
 /* z and the means, of the last estimate. */
 static enum rad_code conclude(const struct rad_goal *g, struct rad_adaptive *a,
                               struct rad_error *e) {
-  double start = rad_seconds();
+  double start = rad_seconds(), *sources = NULL;
   free(a->element_bound);
   a->element_bound = NULL;
   rad_means_free(&a->means);
-  enum rad_code code = rad_set_element_bound(a, e);
-  struct rad_estimate x = {&a->indicator, a->element_bound, 3 * a->quadrature + a->h2.error};
   rad_progress_phase(a->layout.scene->progress, "means");
+  enum rad_code code = rad_set_element_bound(a, e);
+  if (!code && !(sources = bound_sources(a)))
+    code = rad_fail_memory(e, "the means", 8.0 * a->mesh->n_element);
   if (!code)
-    code = rad_means_estimated(&x, g->tolerance, &a->means, e);
+    code = rad_means_estimated(&(struct rad_estimate){&a->indicator, sources}, g->tolerance,
+                               &a->means, e);
+  free(sources);
   a->seconds_estimate += rad_seconds() - start;
   return code;
 }

@@ -29,6 +29,16 @@ void rad_set_bound(struct rad_adaptive *a) {
   a->bound_limit = (safety * (a->indicator.limit + unseen) + rest) * norm;
 }
 
+double rad_reflects(const struct rad_adaptive *a, int triangle) {
+  const struct rad_scene *s = a->layout.scene;
+  double most = 0;
+  if (a->layout.passive && a->layout.passive[triangle])
+    return 0;
+  for (int b = 0; b < s->n_band; b++)
+    most = fmax(most, s->rho[triangle * s->n_band + b]);
+  return most;
+}
+
 enum rad_code rad_set_element_bound(struct rad_adaptive *a, struct rad_error *e) {
   size_t n = (size_t)a->mesh->n_point;
   struct rad_operator k = rad_adaptive_operator(a);
@@ -40,10 +50,11 @@ enum rad_code rad_set_element_bound(struct rad_adaptive *a, struct rad_error *e)
   for (int b = 0; b < a->layout.scene->n_band && !code; b++) {
     for (int i = 0; i < a->mesh->n_element; i++) {
       const struct rad_element *el = &a->mesh->element[i];
-      double found = a->indicator.local[i] + a->indicator.unseen[rad_element_triangle(a->mesh, i)];
+      int t = rad_element_triangle(a->mesh, i);
+      double found = a->indicator.local[i] + a->indicator.unseen[t];
+      double rest = rad_reflects(a, t) * (3 * a->quadrature + a->h2.error);
       for (int f = 0; f < el->n_function; f++)
-        right[el->first + f] =
-            rad_safety(a->layout.scene) * found + 3 * a->quadrature + a->h2.error;
+        right[el->first + f] = rad_safety(a->layout.scene) * found + rest;
     }
     struct rad_linear system = {
         .rho = a->rho + (size_t)b * n, .emission = right, .u = z, .tolerance = 1e-6};

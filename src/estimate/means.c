@@ -2,10 +2,13 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/clock.h"
 #include "base/memory.h"
+#include "estimate/balance.h"
 #include "estimate/bound.h"
+#include "scene/enclosure.h"
 #include "system/cluster.h"
 
 /* Part of the tolerance that the integrals of means may use up. */
@@ -100,8 +103,7 @@ static void set_errors(const struct rad_estimate *x, const struct rad_received *
       double bound = (r->value[z] + r->error[z]) / s->triangle[t].area;
       double sampled = unseen_part * mean_received(indicator, t, b) +
                        rad_safety(s) * indicator->unseen_received[i];
-      m->error_irradiance[i] =
-          indicator->scale[b] * (sampled + bound + (bound > 0 ? x->rest : 0)) + m->integration[i];
+      m->error_irradiance[i] = indicator->scale[b] * (sampled + bound) + m->integration[i];
     }
 }
 
@@ -115,6 +117,21 @@ static void set_worst(const struct rad_indicator *x, struct rad_means *m) {
       m->worst_triangle = i / m->n_band;
     }
   }
+}
+
+/* What the faces receive, and the backs of faces where light may get there. */
+static enum rad_code receive(const struct rad_weights *w, const double *allowed,
+                             struct rad_received *r, struct rad_means *m, struct rad_error *e) {
+  const struct rad_scene *s = w->mesh->scene;
+  struct rad_weights light = *w;
+  enum rad_code code = rad_find_enclosure(s, &m->is_enclosed, e);
+  light.n = s->n_band;
+  if (!code)
+    code = rad_receive(w, s, 0, allowed, r, e);
+  memcpy(m->sent, r->sent, sizeof *m->sent * (size_t)s->n_band);
+  if (code || m->is_enclosed)
+    return code;
+  return rad_receive_on_backs(&light, allowed, m->on_backs, m->backs_error, e);
 }
 
 /* z as a function of the finer mesh. */
@@ -144,7 +161,7 @@ enum rad_code rad_means_estimated(const struct rad_estimate *x, double tolerance
   if (!code && !z)
     code = rad_fail_memory(e, "the means", 8.0 * fine->n_point);
   if (!code)
-    code = rad_receive(&w, w.mesh->scene, 0, allowed, &r, e);
+    code = receive(&w, allowed, &r, m, e);
   if (!code) {
     set_irradiance(fine->scene, &r, m);
     set_errors(x, &r, m);
@@ -172,7 +189,7 @@ enum rad_code rad_means_plain(const struct rad_mesh *mesh, const double *u, doub
     allowed[b] = INTEGRATION_PART * tolerance * most;
   }
   if (!code)
-    code = rad_receive(&w, w.mesh->scene, 0, allowed, &r, e);
+    code = receive(&w, allowed, &r, m, e);
   if (!code) {
     set_irradiance(s, &r, m);
     for (int i = 0; i < m->n * m->n_band; i++)

@@ -13,20 +13,25 @@ struct rad_means {
   double *integration; /* the part of error_irradiance that integrals make, always known */
   double worst;        /* largest error over the largest radiosity of its band; NAN: not known */
   int worst_triangle;
+  int is_enclosed;                  /* by topology (enclosure.h) */
+  double sent[RAD_MAX_BAND];        /* int dS of the u that irradiance is made from [W] */
+  double on_backs[RAD_MAX_BAND];    /* what backs of faces receive of it [W]; NAN: not known */
+  double backs_error[RAD_MAX_BAND]; /* of on_backs [W] */
   double seconds;
 };
 
 /* What a solution on a mesh is known for. */
 struct rad_estimate {
   const struct rad_indicator *indicator;
-  const double *element_bound; /* [n_element] z over max |u|                     (theory 6.4) */
-  double rest;                 /* of quadrature and compression in u*, over max |u| */
+  const double *element_bound; /* [n_element] z over max |u|, and errors of u~    (theory 6.4) */
 };
 
 /**
  * Means of a solution with an estimate: h = K u~ with u~ the interpolant of u* on the finer mesh,
  *
- *   |mean h(u) - mean K u~| <= mean |K (d - d~)| + mean K z + rest                (theory 17.2)
+ *   |mean h(u) - mean K u~| <= mean |K (d - d~)| + mean K (z + e~)               (theory 17.2)
+ *
+ * with e~ what integrals and compression leave in u~.
  *
  * @param[in]  tolerance  of the bound over max |u|: integrals are made to a part of it
  * @param[out] m  to be freed with rad_means_free, also after an error
