@@ -33,7 +33,8 @@ static const char *name_of(const struct rad_scene *s, int t) {
 /* --- scenes --- */
 
 static void note_dark(const struct search *q, struct rad_notes *notes) {
-  if (!memchr(q->sees, 1, (size_t)q->scene->n_triangle))
+  size_t n = (size_t)q->scene->n_triangle;
+  if (n > 1 && !memchr(q->sees, 1, n))
     rad_notes_add(notes,
                   "%s: warning: no face of the scene sees another: every radiosity is what the "
                   "face emits, and all of it is lost; turn the faces that should light each other "

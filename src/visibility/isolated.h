@@ -11,8 +11,8 @@ enum { RAD_MAX_ISOLATED_NOTES = 20 }; /* surfaces or shells of one kind */
  *
  * Refused: a flux below 0 on a face that sees nothing, because nothing arrives that could leave
  * there. Warned of: a flux on other faces that see nothing; closed shells (shell.h) that radiate
- * outwards, of which no other face of the scene sees anything; a scene in which no face sees
- * another.
+ * outwards, of which no other face of the scene sees anything; a scene of two faces or more in
+ * which none sees another.
  *
  * @param[in]  path   of the deck, for messages
  * @param[out] notes  warnings are appended

@@ -165,6 +165,23 @@ START_TEST(edges_within_edges_close) {
 }
 END_TEST
 
+/* A block's bottom on the floor, a million sizes from the origin: rounding is no gap between them.
+ */
+START_TEST(rounding_is_no_gap) {
+  start_random();
+  for (int k = 0; k < 40; k++) {
+    static const double bottom[3][3] = {{0.1, 0.1, 0}, {0.1, 0.5, 0}, {0.5, 0.2, 0}};
+    struct motion motion = random_motion(0);
+    struct rad_deck deck = {0};
+    for (int d = 0; d < 3; d++)
+      motion.shift[d] = 1e6 * uniform(-1, 1);
+    add_moved(&deck, &motion, UNIT, RAD_SIDE_FRONT);
+    add_moved(&deck, &motion, bottom, RAD_SIDE_FRONT);
+    expect(&deck, 0, 1, "block on a floor", k);
+  }
+}
+END_TEST
+
 /* --- fluxes --- */
 
 /* A hot face below, and faces above it with this flux: one looks at it, one away, one has a sheet.
@@ -221,6 +238,7 @@ int main(void) {
   tcase_add_test(told, rooms_inside_out_are_told);
   tcase_add_test(told, bodies_in_space);
   tcase_add_test(told, edges_within_edges_close);
+  tcase_add_test(told, rounding_is_no_gap);
   tcase_add_test(told, fluxes);
   tcase_set_timeout(told, 120);
   suite_add_tcase(suite, told);

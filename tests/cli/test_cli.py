@@ -277,6 +277,7 @@ class Scenes(Case):
 
     def test_slit_is_no_duplicate(self):
         self.write("deck.yml", SCENE + triangle("below", [[0, 0, 0], [0, 1, 0], [1, 0, 0]], [0, 0, -1])
+                   + triangle("seen", [[0, 0, 1], [0, 1, 1], [1, 0, 1]], [0, 0, -1])
                    + "method: {elements: 1}\n")
         self.done("run", "deck.yml")
 
