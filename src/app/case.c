@@ -310,7 +310,7 @@ static enum rad_code solve_by_hand(struct rad_case *c, struct rad_error *e) {
   return rad_solve(&k, &o, c->scene.n_band, c->rho, c->emission, c->u, c->h, &c->report, e);
 }
 
-enum rad_code rad_case_solve(struct rad_case *c, struct rad_error *e) {
+static enum rad_code solve_and_estimate(struct rad_case *c, struct rad_error *e) {
   if (c->is_adaptive)
     return solve_adaptive(c, e);
   enum rad_code code = solve_by_hand(c, e);
@@ -321,6 +321,11 @@ enum rad_code rad_case_solve(struct rad_case *c, struct rad_error *e) {
   rad_progress_phase(c->scene.progress, "means");
   return rad_means_plain(c->mesh, c->u, c->deck.tolerance > 0 ? c->deck.tolerance : PLAIN_MEANS,
                          &c->means, e);
+}
+
+enum rad_code rad_case_solve(struct rad_case *c, struct rad_error *e) {
+  enum rad_code code = solve_and_estimate(c, e);
+  return code ? code : rad_balance_make(&c->scene, &c->means, &c->balance, e);
 }
 
 void rad_case_warn(const struct rad_case *c, struct rad_notes *notes) {

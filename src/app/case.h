@@ -3,6 +3,7 @@
 #define RAD_APP_CASE_H
 
 #include "estimate/adapt.h"
+#include "estimate/balance.h"
 #include "estimate/iterate.h"
 #include "output/result.h"
 #include "system/solve.h"
@@ -33,6 +34,7 @@ struct rad_case {
   struct rad_plan plan;
   double *rho, *emission; /* owned [n_band, n_point] at the collocation points */
   double *u, *h;          /* owned [n_band, n_point] radiosity and irradiance [W/m2] */
+  struct rad_balance balance;
   struct rad_means means; /* of u*; where there is no estimate, without errors */
   struct rad_solve_report report;
   const char *restart;          /* borrowed: a checkpoint to go on from, or NULL */

@@ -80,6 +80,23 @@ static enum rad_code output(const struct rad_case *c, const struct rad_command *
   return code;
 }
 
+/* The tolerance was not reached: the result is written, and says so as well. */
+static enum rad_code refuse_unreached(const struct rad_case *c, struct rad_error *e) {
+  const struct rad_scene *s = &c->scene;
+  if (c->adaptive.reason[0] && c->adaptive.bound > c->tolerance)
+    return rad_fail(e, RAD_ENUMERIC,
+                    "%s: error: the tolerance %.3g was not reached, the bound is %.2e: %s",
+                    c->deck.path, c->tolerance, c->adaptive.bound, c->adaptive.reason);
+  if (c->has_bound && c->means.worst > c->tolerance)
+    return rad_fail(e, RAD_ENUMERIC,
+                    "%s: error: the tolerance %.3g was not reached by the mean over triangle %d "
+                    "(%s), whose error is at most %.2e of the largest radiosity; %s",
+                    c->deck.path, c->tolerance, c->means.worst_triangle + 1,
+                    s->surface_name[s->triangle[c->means.worst_triangle].surface], c->means.worst,
+                    c->is_adaptive ? c->adaptive.reason : "give a finer mesh, or none");
+  return RAD_OK;
+}
+
 enum rad_code rad_app_run(const struct rad_command *command, struct rad_error *e) {
   struct rad_case c;
   struct rad_progress line, *progress = command->quiet ? NULL : &line;
@@ -109,10 +126,8 @@ enum rad_code rad_app_run(const struct rad_command *command, struct rad_error *e
   if (!code) {
     warn(&c, command->log);
     code = output(&c, command, started, e);
-    if (!code && c.adaptive.reason[0])
-      code = rad_fail(e, RAD_ENUMERIC,
-                      "%s: error: the tolerance %.3g was not reached, the bound is %.2e: %s",
-                      c.deck.path, c.tolerance, c.adaptive.bound, c.adaptive.reason);
+    if (!code)
+      code = refuse_unreached(&c, e);
   } else if (code == RAD_ENUMERIC && c.report.iterations > 0 && isfinite(c.report.residual)) {
     struct rad_error second; /* the first error is the one to report */
     output(&c, command, started, &second);

@@ -21,7 +21,10 @@ void rad_print_head(const struct rad_case *c, FILE *out) {
   fprintf(out, "  scene    %d triangles, %d surfaces, %d band%s\n", c->scene.n_triangle,
           c->scene.n_surface, c->scene.n_band, c->scene.n_band > 1 ? "s" : "");
   if (c->is_adaptive) {
-    fprintf(out, "  accuracy %.3g of the largest radiosity\n", c->tolerance);
+    fprintf(out,
+            "  accuracy %.3g of the largest radiosity: radiosity at any point, and means over "
+            "surfaces\n",
+            c->tolerance);
     return;
   }
   int geometric = m->mesh == RAD_MESH_GEOMETRIC;
@@ -106,6 +109,18 @@ static void print_view_factors(const struct rad_view_factors *f, FILE *out) {
           f->seconds, f->converged ? "" : " (NOT CONVERGED)");
 }
 
+/* Errors of what, and relative to what. */
+static void print_errors(const struct rad_case *c, const struct rad_diagnostics *d, FILE *out) {
+  double bound = c->adaptive.bound, most = bound > 0 ? d->error_bound / bound : 0;
+  fprintf(out,
+          "  error    of the radiosity at any point at most %.2e W/m2: %.2e of the largest "
+          "radiosity, %.4g W/m2%s; nearer than 1e-7 to edges and vertices %.2e\n",
+          d->error_bound, bound, most, bound <= c->tolerance ? "" : " (NOT THE TOLERANCE)",
+          c->adaptive.bound_limit);
+  fprintf(out, "           of the means below as stated there, at most %.2e of it%s\n",
+          d->means_error, d->means_converged ? "" : " (NOT THE TOLERANCE)");
+}
+
 static void print_run(const struct rad_case *c, const struct rad_result *r, FILE *out) {
   const struct rad_solve_report *s = &c->report;
   const struct rad_diagnostics *d = &r->diagnostics;
@@ -115,12 +130,7 @@ static void print_run(const struct rad_case *c, const struct rad_result *r, FILE
     rad_print_passive(&c->adaptive.layout, out);
   }
   if (c->has_bound)
-    fprintf(
-        out,
-        "  error    at most %.2e W/m2, %.2e of the largest radiosity%s; nearer than 1e-7 to edges "
-        "and vertices %.2e\n",
-        d->error_bound, c->adaptive.bound,
-        c->adaptive.bound <= c->tolerance ? "" : " (NOT THE TOLERANCE)", c->adaptive.bound_limit);
+    print_errors(c, d, out);
   else
     fprintf(out, "  error    not estimated%s\n",
             c->deck.tolerance > 0 ? ": a Neumann series, or a uniform mesh of degree 1"
@@ -230,16 +240,12 @@ static void print_balance_of(const struct rad_case *c, const struct rad_balance 
   fprintf(out, "\n");
 }
 
-static enum rad_code print_balance(const struct rad_case *c, FILE *out, FILE *log,
-                                   struct rad_error *e) {
-  struct rad_balance b;
-  enum rad_code code = rad_balance_make(&c->scene, &c->means, &b, e);
-  for (int k = 0; k < b.n_band; k++) {
+static void print_balance(const struct rad_case *c, FILE *out, FILE *log) {
+  for (int k = 0; k < c->balance.n_band; k++) {
     if (out)
-      print_balance_of(c, &b, k, out);
-    warn_imbalance(c, &b, k, log);
+      print_balance_of(c, &c->balance, k, out);
+    warn_imbalance(c, &c->balance, k, log);
   }
-  return code;
 }
 
 enum rad_code rad_print_solution(const struct rad_case *c, const struct rad_result *r, FILE *out,
@@ -253,5 +259,7 @@ enum rad_code rad_print_solution(const struct rad_case *c, const struct rad_resu
   }
   if (!code)
     code = print_heat(c, out, log, e);
-  return code ? code : print_balance(c, out, log, e);
+  if (!code)
+    print_balance(c, out, log);
+  return code;
 }

@@ -401,10 +401,8 @@ static int is_done(const struct rad_goal *g, struct rad_adaptive *a, struct rad_
     return 0;
   int t = a->means.worst_triangle;
   snprintf(a->reason, sizeof a->reason,
-           "the mean over triangle %d (%s) has an error of %.2e of the largest radiosity, which "
-           "refinement does not lower",
-           t + 1, a->layout.scene->surface_name[a->layout.scene->triangle[t].surface],
-           a->means.worst);
+           "refinement does not lower the error of the mean over triangle %d (%s), %.2e", t + 1,
+           a->layout.scene->surface_name[a->layout.scene->triangle[t].surface], a->means.worst);
   return 1;
 }
 

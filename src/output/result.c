@@ -300,6 +300,29 @@ static void write_view_factors(struct rad_hdf *h, hid_t root, const struct rad_v
   rad_hdf_group_close(h, group);
 }
 
+/* Where the light goes, one number a band. */
+static void write_balance(struct rad_hdf *h, hid_t root, const struct rad_balance *b) {
+  if (!b)
+    return;
+  const hsize_t n = (hsize_t)b->n_band;
+  const struct rad_hdf_array column[] = {
+      {"emitted", "W", "int E dS", RAD_HDF_REAL, 1, {n}, b->emitted},
+      {"absorbed", "W", "int (1 - rho) h dS", RAD_HDF_REAL, 1, {n}, b->absorbed},
+      {"rest", "W", "emitted less absorbed: escaped, and lost on backs", RAD_HDF_REAL, 1, {n},
+       b->rest},
+      {"error", "W", "bound of the errors of absorbed and rest", RAD_HDF_REAL, 1, {n}, b->error},
+      {"lost_on_backs", "W", "light that meets backs of faces; nan: not told from what escapes",
+       RAD_HDF_REAL, 1, {n}, b->on_backs},
+      {"error_on_backs", "W", "of its integration", RAD_HDF_REAL, 1, {n}, b->backs_error},
+      {"imbalance", "W", "int of E + rho h less int of the u that h is made from", RAD_HDF_REAL, 1,
+       {n}, b->imbalance}};
+  const hid_t group = rad_hdf_group(h, root, "balance");
+  for (size_t k = 0; k < sizeof column / sizeof *column; k++)
+    rad_hdf_array(h, group, &column[k]);
+  rad_hdf_set_integer(h, group, "enclosed", b->is_enclosed);
+  rad_hdf_group_close(h, group);
+}
+
 static void set_integers(struct rad_hdf *h, hid_t group, const struct rad_diagnostics *d) {
   const struct {
     const char *name;
@@ -309,6 +332,7 @@ static void set_integers(struct rad_hdf *h, hid_t group, const struct rad_diagno
       {"iterations", d->iterations},       {"converged", d->converged != 0},
       {"kernel_values", d->kernel_values}, {"pairs_near", d->pairs_near},
       {"pairs_far", d->pairs_far},         {"pairs_skipped", d->pairs_skipped},
+      {"means_converged", d->means_converged},
   };
   for (size_t k = 0; k < sizeof list / sizeof *list; k++)
     rad_hdf_set_integer(h, group, list[k].name, list[k].value);
@@ -323,6 +347,7 @@ static void set_reals(struct rad_hdf *h, hid_t group, const struct rad_diagnosti
       {"error_indicator", d->error_indicator},
       {"error_bound", d->error_bound},
       {"error_bound_limit", d->error_bound_limit},
+      {"means_error", d->means_error},
       {"compression_error", d->compression_error},
       {"residual", d->residual},
       {"condition_estimate", d->condition_estimate},
@@ -370,6 +395,7 @@ enum rad_code rad_result_write(const char *path, struct rad_result *result, doub
   rad_hdf_set_text(&h, root, "solver", result->solver);
   write_surfaces(&h, root, result, &thermal);
   write_triangles(&h, root, result, &thermal);
+  write_balance(&h, root, result->balance);
   rad_thermal_free(&thermal);
   write_solution(&h, root, result);
   write_probes(&h, root, result);

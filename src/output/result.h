@@ -5,7 +5,7 @@
 #include <stdint.h>
 
 #include "base/error.h"
-#include "estimate/means.h"
+#include "estimate/balance.h"
 #include "estimate/view_factors.h"
 #include "output/task.h"
 #include "scene/scene.h"
@@ -36,6 +36,8 @@ struct rad_diagnostics {
   int iterations;            /* of the solver; 0 for LU */
   double condition_estimate; /* in the max norm, from dgecon; NAN without LU */
   int converged;
+  double means_error;  /* largest error of a mean over the largest radiosity; NAN: not known */
+  int means_converged; /* 1: it is within the tolerance; 0 also if it is not known */
   double matrix_bytes, peak_memory_bytes;
   int64_t kernel_values, pairs_near, pairs_far, pairs_skipped;
   double seconds_scene, seconds_mesh, seconds_assemble, seconds_factor, seconds_solve,
@@ -52,6 +54,7 @@ struct rad_result {
   int threads;
   struct rad_picture picture;
   const struct rad_means *means; /* borrowed: of the triangles; NULL: not computed */
+  const struct rad_balance *balance; /* borrowed, or NULL */
   const double *edge_exponent, *vertex_exponent; /* borrowed [n_triangle, 3], or NULL */
   int64_t n_point;                               /* collocation points */
   double *point;                                 /* owned [n_point, 3] [m] */

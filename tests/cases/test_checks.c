@@ -136,8 +136,9 @@ START_TEST(parts) {
   double *d = malloc(2 * sizeof *d * (size_t)c.mesh->n_point);
   double *integral = malloc(sizeof *d * (size_t)n_element);
   double *weight = malloc(sizeof *d * (size_t)c.scene.n_triangle);
+  unsigned char *checked = malloc((size_t)c.scene.n_triangle);
   for (int t = 0; t < c.scene.n_triangle; t++)
-    weight[t] = 1;
+    weight[t] = checked[t] = 1;
   set_d(c.mesh, d, integral);
 
   struct rad_once o;
@@ -145,7 +146,7 @@ START_TEST(parts) {
   const double *in[2] = {d, d + c.mesh->n_point};
   ck_assert_int_eq(rad_once_begin(c.mesh, &c.rules, 64, TOLERANCE, &o, &e), RAD_OK);
   ck_assert_int_eq(rad_once_gather(&o, 2, in, &e), RAD_OK);
-  ck_assert_int_eq(rad_checks_set(c.mesh, weight, 0, &checks, &e), RAD_OK);
+  ck_assert_int_eq(rad_checks_set(c.mesh, checked, 0, &checks, &e), RAD_OK);
   ck_assert_int_eq(rad_checks_run(&o, integral, weight, &checks, &e), RAD_OK);
   ck_assert_int_eq(o.blocks.far.first[o.tree.n_cluster] == 0, p->all_near);
 
@@ -191,6 +192,7 @@ START_TEST(parts) {
   free(triangle);
   rad_checks_free(&checks);
   rad_once_free(&o);
+  free(checked);
   free(weight);
   free(integral);
   free(d);
