@@ -9,12 +9,12 @@
 #include "factors/exchange.h"
 #include "factors/pair.h"
 #include "factors/proof.h"
+#include "factors/skew.h"
 #include "factors/triangle_rule.h"
 
 #define ROUGH 1e-2        /* goal of an exchange that only bounds */
 #define EXACT 1e-11       /* goal of one that is a value */
 #define SAFETY 3.0        /* of the difference of two rules where F is analytic */
-#define SAFETY_SKEW 10.0  /* where three edges may meet in one ray */
 #define GAIN 0.2          /* a higher rule is worth it if the last one gained this */
 #define LIMIT 200000      /* points of a task */
 #define LEAST_PIECE 1e-13 /* of a cell's area */
@@ -25,10 +25,9 @@ enum state { DONE, SMOOTH, CUT, SPLIT };
 
 struct cell {
   double corner[3][3]; /* barycentric */
-  double bound;        /* of int F dS: what may be seen at most, less what is at least */
+  double skew;         /* what may hinge on three edges in a ray: in every error [m2] */
   int first, n;        /* blockers, in the scratch's list */
   int depth, rule;
-  double before; /* error of the rule before, over that of this one's scale */
   enum state state;
 };
 
@@ -61,6 +60,10 @@ void rad_cell_scratch_free(struct rad_cell_scratch *s) {
   free(s->list);
   free(s->mark);
   free(s);
+}
+
+int64_t rad_cell_points(const struct rad_cell_scratch *s) {
+  return s->points;
 }
 
 /* ---- the worst cell first ---- */
@@ -171,10 +174,20 @@ static void cull(struct rad_cell_scratch *s, const struct rad_flat *cell, int fi
   s->n_list += c->n;
 }
 
+/* A higher rule would not help where much of the error is what hinges on three edges. */
+static void judge(const struct rad_cell_scratch *s, const struct rad_cell_task *t, struct cell *c,
+                  const double *most, int at) {
+  double hinge = 0;
+  for (int k = 0; k < t->n_weight; k++)
+    hinge = fmax(hinge, c->skew * most[k] / t->tolerance[k]);
+  if (hinge > 0.5 * urgency(s, t, at))
+    c->state = SPLIT;
+}
+
 /* Values by two rules, errors by their difference, or by the range if that says less or they mean
  * nothing. */
 static void by_rules(struct rad_cell_scratch *s, const struct rad_cell_task *t, struct cell *c,
-                     const struct rad_range *range, double area, double safety, int at) {
+                     const struct rad_range *range, double area, int at) {
   double low[RAD_MAX_WEIGHT], most[RAD_MAX_WEIGHT];
   double *value = s->value + (size_t)at * t->n_weight, *error = s->error + (size_t)at * t->n_weight;
   if (c->state == SMOOTH)
@@ -185,8 +198,11 @@ static void by_rules(struct rad_cell_scratch *s, const struct rad_cell_task *t, 
       value[k] = fmin(fmax(value[k], range->low), range->high);
     double bound = t->weight ? most[k] * range->high + fabs(value[k])
                              : fmax(range->high - value[k], value[k] - range->low);
-    error[k] = c->state == SMOOTH ? fmin(bound, safety * fabs(value[k] - low[k])) : bound;
+    double told = SAFETY * fabs(value[k] - low[k]) + c->skew * most[k];
+    error[k] = c->state == SMOOTH ? fmin(bound, told) : bound;
   }
+  if (c->state == SMOOTH && c->skew > 0)
+    judge(s, t, c, most, at);
 }
 
 static void set_exact(struct rad_cell_scratch *s, const struct rad_cell_task *t, int at,
@@ -207,7 +223,7 @@ static void wholly_seen(struct rad_cell_scratch *s, const struct rad_cell_task *
   if (t->weight) {
     struct rad_range range = {fmax(0, value - error), value + error};
     c->state = rad_critical_far(&s->pair, flat, &none) ? SMOOTH : SPLIT;
-    by_rules(s, t, c, &range, area, SAFETY, at);
+    by_rules(s, t, c, &range, area, at);
   } else {
     set_exact(s, t, at, value, error);
   }
@@ -233,9 +249,9 @@ static void partly_seen(struct rad_cell_scratch *s, const struct rad_cell_task *
              : critical.n_line                               ? CUT
              : rad_critical_far(&s->pair, flat, &critical) ? SMOOTH
                                                              : SPLIT;
-  by_rules(s, t, c, &range, area, critical.skew ? SAFETY_SKEW : SAFETY, at);
-  if (critical.skew)
-    c->before = -1;
+  if (c->state == SMOOTH && critical.skew)
+    c->skew = rad_skew_bound(&s->pair, flat, shaft, &critical, range.high);
+  by_rules(s, t, c, &range, area, at);
 }
 
 /* Add a cell with its value and error; the parent's blockers are list[first .. first + n]. */
@@ -250,7 +266,7 @@ static void add_cell(struct rad_cell_scratch *s, const struct rad_cell_task *t,
     return;
   }
   s->n_cell++;
-  struct cell c = {.depth = depth, .rule = RULE_FIRST, .before = INFINITY};
+  struct cell c = {.depth = depth, .rule = RULE_FIRST};
   struct rad_flat flat;
   struct rad_shaft shaft;
   memcpy(c.corner, corner, sizeof c.corner);
@@ -352,7 +368,7 @@ static void cut(struct rad_cell_scratch *s, const struct rad_cell_task *t, const
 /* The next rule; its difference from the last tells the error. */
 static void raise_rule(struct rad_cell_scratch *s, const struct rad_cell_task *t, int at) {
   struct cell *c = &s->cell[at];
-  double sum[RAD_MAX_WEIGHT], most[RAD_MAX_WEIGHT], safety = c->before < 0 ? SAFETY_SKEW : SAFETY;
+  double sum[RAD_MAX_WEIGHT], most[RAD_MAX_WEIGHT];
   struct rad_flat flat;
   flatten(&s->pair, c->corner, &flat);
   double last = urgency(s, t, at), area = rad_flat_area(&flat);
@@ -360,14 +376,18 @@ static void raise_rule(struct rad_cell_scratch *s, const struct rad_cell_task *t
   for (int k = 0; k < t->n_weight; k++) {
     double *value = &s->value[(size_t)at * t->n_weight + k];
     double *error = &s->error[(size_t)at * t->n_weight + k];
-    double now = safety * fabs(sum[k] - *value);
+    double now = SAFETY * fabs(sum[k] - *value) + c->skew * most[k];
     s->total_value[k] += sum[k] - *value;
     s->total_error[k] += now - *error;
     *value = sum[k];
     *error = now;
   }
   if (c->rule + 1 == RAD_TRIANGLE_RULES || urgency(s, t, at) > GAIN * last)
-    c->state = c->depth >= MOST_DEPTH ? DONE : SPLIT;
+    c->state = SPLIT;
+  if (c->skew > 0)
+    judge(s, t, c, most, at);
+  if (c->state == SPLIT && c->depth >= MOST_DEPTH)
+    c->state = DONE;
   if (c->state != DONE)
     push(s, t, at);
 }
@@ -448,6 +468,7 @@ enum rad_code rad_cell_integrate(const struct rad_pair_engine *g, struct rad_cel
   memset(value, 0, sizeof(double) * (size_t)task->n_weight);
   memset(error, 0, sizeof(double) * (size_t)task->n_weight);
   s->failed = 0;
+  s->points = 0;
   if (!s->mark)
     s->mark = rad_calloc((size_t)g->visibility->occluders.n, sizeof *s->mark);
   int seen = s->mark ? rad_pair_set(g, task->source, task->target, &s->pair) : -1;

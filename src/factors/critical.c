@@ -32,13 +32,14 @@ static double polygon_side(const struct rad_pair *p, const double y[3], const do
   return rad_dot(normal, inward);
 }
 
-/* True if another blocker goes on beyond a side wherever in the cell one looks from. */
+/* True if another polygon goes on beyond a side wherever in the cell one looks from, or has the side
+ * and does not reach into the shaft: then neither does the side. */
 static int goes_on(const struct rad_pair *p, const struct rad_flat *cell, int side, const double *a,
                    const double *b, const int *mark, int now) {
   for (int other = p->g->twin[side]; other >= 0 && other != side; other = p->g->twin[other]) {
     int opposite = 0, same = 0;
     if (mark[p->g->owner[other]] != now)
-      continue;
+      return 1;
     for (int m = 0; m < 3; m++) {
       double product = polygon_side(p, cell->corner[m], a, b, side) *
                        polygon_side(p, cell->corner[m], a, b, other);

@@ -5,7 +5,7 @@
 #include <stdint.h>
 
 #include "base/error.h"
-#include "estimate/view_factors.h"
+#include "factors/view_factors.h"
 #include "output/task.h"
 #include "scene/scene.h"
 
