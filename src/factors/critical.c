@@ -71,7 +71,8 @@ static void find_edges(const struct rad_pair *p, const struct rad_flat *cell,
           (struct rad_silhouette){end[0],
                                   end[1],
                                   {o->corner[k->first + s], o->corner[k->first + (s + 1) % k->n]},
-                                  k->plane};
+                                  k->plane,
+                                  p->g->body[p->blocker[list[i]]]};
       c->skew |= k->plane != c->edge[0].plane;
     }
   }
@@ -212,7 +213,7 @@ static void edges_and_edges(struct search *s) {
   for (int a = 0; a < c->n_edge; a++)
     for (int b = 0; b < c->n_edge && !c->crowded; b++) {
       const struct rad_silhouette *x = &c->edge[a], *y = &c->edge[b];
-      if (x->plane == y->plane)
+      if (x->plane == y->plane || rad_same_body(x, y))
         continue;
       for (int k = 0; k < 2; k++)
         if (y->vertex[k] != x->vertex[0] && y->vertex[k] != x->vertex[1])

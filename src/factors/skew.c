@@ -166,7 +166,7 @@ double rad_skew_bound(const struct rad_pair *p, const struct rad_flat *cell,
   for (int a = 0; a < c->n_edge; a++)
     for (int b = a + 1; b < c->n_edge && sum < most; b++) {
       struct rad_polygon part = s.swept[a];
-      if (!edges_are_skew(&c->edge[a], &c->edge[b]))
+      if (rad_same_body(&c->edge[a], &c->edge[b]) || !edges_are_skew(&c->edge[a], &c->edge[b]))
         continue;
       rad_common(&s.swept[b], &part);
       if (part.n < 3 || !(rad_polygon_area(&part) > NOTHING * p->size * p->size) ||
