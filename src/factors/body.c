@@ -5,8 +5,17 @@
 
 #include "base/memory.h"
 #include "base/vec.h"
+#include "visibility/bvh.h"
 
 enum { MOST_POLYGONS = 200 }; /* of a body that is looked at */
+
+/* Sides are joined to those of polygons that cast shadows; floors and walls around a scene do not. */
+static int joined(const int *twin, const int *owner, const unsigned char *casts, int side) {
+  for (int other = twin[side]; other >= 0 && other != side; other = twin[other])
+    if (casts[owner[other]])
+      return other;
+  return -1;
+}
 
 static int root_of(int *parent, int k) {
   while (parent[k] != k)
@@ -54,14 +63,14 @@ static int bounds_scene(const struct rad_occluders *o, const double normal[3], c
 }
 
 /* True if there are no free sides, or a lid over them would hide nothing. */
-static int is_closed(const struct rad_occluders *o, const int *twin, int n, const int *member) {
+static int is_closed(const struct rad_occluders *o, const int *join, int n, const int *member) {
   double normal[3] = {0, 0, 0};
   const double *rim[2] = {NULL, NULL};
   for (int a = 0; a < n; a++) {
     const struct rad_occluder *k = &o->occluder[member[a]];
     for (int c = 0; c < k->n; c++) {
       const double *end[2] = {corner_of(o, member[a], c), corner_of(o, member[a], c + 1)};
-      if (twin[k->first + c] >= 0)
+      if (join[k->first + c] >= 0)
         continue;
       if (!rim[0]) {
         rim[0] = end[0];
@@ -85,25 +94,17 @@ static int is_closed(const struct rad_occluders *o, const int *twin, int n, cons
   return !rim[0] || (rad_dot(normal, normal) > 0 && bounds_scene(o, normal, rim[0]));
 }
 
-int rad_bodies_find(const struct rad_occluders *o, const int *twin, const int *owner, int *body) {
-  int *parent = rad_alloc((size_t)o->n, sizeof *parent);
-  int *next = rad_alloc((size_t)o->n, sizeof *next); /* list of the polygons of each root */
-  int member[MOST_POLYGONS];
-  if (!parent || !next) {
-    free(parent);
-    free(next);
-    return -1;
-  }
-  for (int k = 0; k < o->n; k++)
-    parent[k] = k;
-  for (int k = 0; k < o->n; k++)
-    for (int c = o->occluder[k].first; c < o->occluder[k].first + o->occluder[k].n; c++)
-      if (twin[c] >= 0)
-        parent[root_of(parent, owner[twin[c]])] = root_of(parent, k);
+/* Polygons of one body point to the next of it, from the first on. */
+static void link(const struct rad_occluders *o, const int *owner, const int *join, int *parent,
+                 int *next) {
   for (int k = 0; k < o->n; k++) {
-    body[k] = -1;
+    parent[k] = k;
     next[k] = -1;
   }
+  for (int k = 0; k < o->n; k++)
+    for (int c = o->occluder[k].first; c < o->occluder[k].first + o->occluder[k].n; c++)
+      if (join[c] >= 0)
+        parent[root_of(parent, owner[join[c]])] = root_of(parent, k);
   for (int k = o->n - 1; k >= 0; k--) {
     int root = root_of(parent, k);
     if (root != k) {
@@ -111,18 +112,44 @@ int rad_bodies_find(const struct rad_occluders *o, const int *twin, const int *o
       next[root] = k;
     }
   }
+}
+
+static void find(const struct rad_occluders *o, const int *join, const unsigned char *casts,
+                 const int *parent, const int *next, int *body) {
+  int member[MOST_POLYGONS];
+  for (int k = 0; k < o->n; k++)
+    body[k] = -1;
   for (int k = 0; k < o->n; k++) {
     int n = 0;
-    if (root_of(parent, k) != k)
+    if (parent[k] != k || !casts[k])
       continue;
     for (int m = k; m >= 0 && n <= MOST_POLYGONS; m = next[m])
       if (n++ < MOST_POLYGONS)
         member[n - 1] = m;
-    if (n <= MOST_POLYGONS && is_convex(o, n, member) && is_closed(o, twin, n, member))
+    if (n <= MOST_POLYGONS && is_convex(o, n, member) && is_closed(o, join, n, member))
       for (int m = 0; m < n; m++)
         body[member[m]] = k;
   }
+}
+
+int rad_bodies_find(const struct rad_occluders *o, const int *twin, const int *owner, int *body) {
+  size_t n = (size_t)o->n, n_side = n ? (size_t)(o->occluder[n - 1].first + o->occluder[n - 1].n) : 0;
+  int *parent = rad_alloc(n, sizeof *parent), *next = rad_alloc(n, sizeof *next);
+  int *join = rad_alloc(n_side, sizeof *join);
+  unsigned char *casts = rad_calloc(n, 1);
+  int failed = !parent || !next || !join || !casts;
+  for (int k = 0; !failed && k < o->bvh->n_node; k++)
+    for (int q = 0; q < o->bvh->node[k].n; q++)
+      casts[o->bvh->item[o->bvh->node[k].first + q]] = 1;
+  if (!failed) {
+    for (size_t side = 0; side < n_side; side++)
+      join[side] = casts[owner[side]] ? joined(twin, owner, casts, (int)side) : -1;
+    link(o, owner, join, parent, next);
+    find(o, join, casts, parent, next, body);
+  }
   free(parent);
   free(next);
-  return 0;
+  free(join);
+  free(casts);
+  return failed ? -1 : 0;
 }

@@ -52,6 +52,15 @@ static int goes_on(const struct rad_pair *p, const struct rad_flat *cell, int si
   return 0;
 }
 
+/* Another polygon's side was it before. */
+static int is_known(const struct rad_critical *c, int from, int to) {
+  for (int e = 0; e < c->n_edge; e++)
+    if ((c->edge[e].vertex[0] == from && c->edge[e].vertex[1] == to) ||
+        (c->edge[e].vertex[0] == to && c->edge[e].vertex[1] == from))
+      return 1;
+  return 0;
+}
+
 static void find_edges(const struct rad_pair *p, const struct rad_flat *cell,
                        const struct rad_shaft *shaft, int n, const int *list, const int *mark,
                        int now, struct rad_critical *c) {
@@ -60,19 +69,16 @@ static void find_edges(const struct rad_pair *p, const struct rad_flat *cell,
     const struct rad_occluder *k = &o->occluder[p->blocker[list[i]]];
     for (int s = 0; s < k->n; s++) {
       const double *end[2] = {corner_of(p, k, s), corner_of(p, k, s + 1)};
-      if (rad_shaft_misses(shaft, 2, end) ||
+      int from = o->corner[k->first + s], to = o->corner[k->first + (s + 1) % k->n];
+      if (is_known(c, from, to) || rad_shaft_misses(shaft, 2, end) ||
           goes_on(p, cell, k->first + s, end[0], end[1], mark, now))
         continue;
       if (c->n_edge == RAD_MAX_SILHOUETTE) {
         c->crowded = 1;
         return;
       }
-      c->edge[c->n_edge++] =
-          (struct rad_silhouette){end[0],
-                                  end[1],
-                                  {o->corner[k->first + s], o->corner[k->first + (s + 1) % k->n]},
-                                  k->plane,
-                                  p->g->body[p->blocker[list[i]]]};
+      c->edge[c->n_edge++] = (struct rad_silhouette){
+          end[0], end[1], {from, to}, k->plane, p->g->body[p->blocker[list[i]]]};
       c->skew |= k->plane != c->edge[0].plane;
     }
   }
