@@ -9,7 +9,8 @@
 
 enum { MOST_POLYGONS = 200 }; /* of a body that is looked at */
 
-/* Sides are joined to those of polygons that cast shadows; floors and walls around a scene do not. */
+/* Sides are joined to those of polygons that cast shadows; floors and walls around a scene do not.
+ */
 static int joined(const int *twin, const int *owner, const unsigned char *casts, int side) {
   for (int other = twin[side]; other >= 0 && other != side; other = twin[other])
     if (casts[owner[other]])
@@ -133,7 +134,8 @@ static void find(const struct rad_occluders *o, const int *join, const unsigned 
 }
 
 int rad_bodies_find(const struct rad_occluders *o, const int *twin, const int *owner, int *body) {
-  size_t n = (size_t)o->n, n_side = n ? (size_t)(o->occluder[n - 1].first + o->occluder[n - 1].n) : 0;
+  size_t n = (size_t)o->n,
+         n_side = n ? (size_t)(o->occluder[n - 1].first + o->occluder[n - 1].n) : 0;
   int *parent = rad_alloc(n, sizeof *parent), *next = rad_alloc(n, sizeof *next);
   int *join = rad_alloc(n_side, sizeof *join);
   unsigned char *casts = rad_calloc(n, 1);

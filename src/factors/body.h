@@ -5,10 +5,10 @@
 #include "visibility/occluder.h"
 
 /**
- * Polygons that sides join belong to one body. It is convex if all of it is on one side of the plane
- * of each of its polygons, weakly, and closed: its free sides, if any, lie in one plane that has the
- * whole scene on one side, so that a lid there would hide nothing. Silhouettes of such a body never
- * cross, wherever one looks from.
+ * Polygons that sides join belong to one body. It is convex if all of it is on one side of the
+ * plane of each of its polygons, weakly, and closed: its free sides, if any, lie in one plane that
+ * has the whole scene on one side, so that a lid there would hide nothing. Silhouettes of such a
+ * body never cross, wherever one looks from.
  *
  * @param[in]  twin, owner  see rad_pair_engine
  * @param[out] body  [o->n] a polygon of the body, the same for all of it; -1: not a convex one

@@ -245,10 +245,10 @@ static void partly_seen(struct rad_cell_scratch *s, const struct rad_cell_task *
     return;
   }
   rad_critical_find(&s->pair, flat, shaft, c->n, list, s->mark, s->now, &critical);
-  c->state = critical.crowded                                ? SPLIT
-             : critical.n_line                               ? CUT
+  c->state = critical.crowded                              ? SPLIT
+             : critical.n_line                             ? CUT
              : rad_critical_far(&s->pair, flat, &critical) ? SMOOTH
-                                                             : SPLIT;
+                                                           : SPLIT;
   if (c->state == SMOOTH && critical.skew)
     c->skew = rad_skew_bound(&s->pair, flat, shaft, &critical, range.high);
   by_rules(s, t, c, &range, area, at);

@@ -29,7 +29,7 @@ struct rad_cell_task {
 
 /* Memory of one thread for as many tasks as it likes; zero at first. */
 struct rad_cell_scratch;
-struct rad_cell_scratch *rad_cell_scratch_new(void); /* NULL without memory */
+struct rad_cell_scratch *rad_cell_scratch_new(void);    /* NULL without memory */
 void rad_cell_scratch_free(struct rad_cell_scratch *s); /* NULL is fine */
 
 /**

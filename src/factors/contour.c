@@ -2,9 +2,9 @@
 
 #include <math.h>
 
-#define TINY 1e-13      /* lengths over the size of the pair that are rounding */
-#define DIGITS 32.2     /* -ln of the relative truncation error of Gauss's rule */
-#define ERROR 2e-14     /* of the product of two edges: truncation, rounding */
+#define TINY 1e-13  /* lengths over the size of the pair that are rounding */
+#define DIGITS 32.2 /* -ln of the relative truncation error of Gauss's rule */
+#define ERROR 2e-14 /* of the product of two edges: truncation, rounding */
 enum { MOST_POINTS = 20, MOST_DEPTH = 60 };
 
 /* Two edges, in units of the pair's size: x = a + s c, 0 <= s <= length; y = b + t d. The foot of x
@@ -13,7 +13,7 @@ struct edges {
   const struct rad_gauss *gauss;
   double length, other; /* of x's edge, of y's */
   double cd, u0, w[3], cp[3];
-  int n;                       /* singularities */
+  int n;                        /* singularities */
   double real[3], imaginary[3]; /* of s: y's first and last corner, and where the lines meet */
 };
 

@@ -32,8 +32,8 @@ static double polygon_side(const struct rad_pair *p, const double y[3], const do
   return rad_dot(normal, inward);
 }
 
-/* True if another polygon goes on beyond a side wherever in the cell one looks from, or has the side
- * and does not reach into the shaft: then neither does the side. */
+/* True if another polygon goes on beyond a side wherever in the cell one looks from, or has the
+ * side and does not reach into the shaft: then neither does the side. */
 static int goes_on(const struct rad_pair *p, const struct rad_flat *cell, int side, const double *a,
                    const double *b, const int *mark, int now) {
   for (int other = p->g->twin[side]; other >= 0 && other != side; other = p->g->twin[other]) {

@@ -11,7 +11,7 @@ enum { RAD_MAX_SILHOUETTE = 24, RAD_MAX_LINE = 8 };
 struct rad_silhouette {
   const double *p, *q; /* its ends */
   int vertex[2];       /* scene vertices */
-  int plane, body; /* body: convex, or -1 */
+  int plane, body;     /* body: convex, or -1 */
 };
 
 /* Silhouettes of one convex body never cross. */

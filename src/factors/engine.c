@@ -22,8 +22,8 @@ static int compare_sides(const void *a, const void *b) {
 /* Sides with the same two vertices, in a ring: one that three polygons share has three twins. */
 static void find_twins(int n, const struct side *side, int *twin) {
   for (int first = 0, last; first < n; first = last) {
-    for (last = first + 1; last < n && side[last].low == side[first].low &&
-                           side[last].high == side[first].high;
+    for (last = first + 1;
+         last < n && side[last].low == side[first].low && side[last].high == side[first].high;
          last++)
       ;
     for (int k = first; k < last; k++)

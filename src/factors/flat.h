@@ -69,7 +69,7 @@ static inline void rad_flat_orient(struct rad_flat *f) {
 /**
  * Form factor from a point to a polygon in front of its plane that it sees all of:
  *
- *   F = 1/(2 pi) |sum_e theta_e n.(r_e x r_{e+1}) / |r_e x r_{e+1}||,  r_e = y_e - x    (theory 3.9)
+ *   F = 1/(2 pi) |sum_e theta_e n.(r_e x r_{e+1}) / |r_e x r_{e+1}||,  r_e = y_e - x (theory 3.9)
  *
  * The cross product is formed from the side and the nearer of its corners.
  */

@@ -12,11 +12,11 @@ struct rad_pair {
   const struct rad_pair_engine *g;
   int source, target;
   const struct rad_triangle *s, *t;
-  struct rad_polygon front; /* of the target in front of the source's plane, in (b1, b2) */
-  struct rad_flat face;     /* the same in space */
-  double size;              /* diameter of both [m] */
-  int n_blocker;            /* what may stand between */
-  const int *blocker;       /* occluders */
+  struct rad_polygon front;       /* of the target in front of the source's plane, in (b1, b2) */
+  struct rad_flat face;           /* the same in space */
+  double size;                    /* diameter of both [m] */
+  int n_blocker;                  /* what may stand between */
+  const int *blocker;             /* occluders */
   struct rad_shadow_frame *frame; /* owned [room] */
   int *list;                      /* owned [occluders.n] */
   struct rad_half_planes *shadow; /* owned [room] at one point */

@@ -9,10 +9,10 @@
 #include "factors/exchange.h"
 #include "factors/pair.h"
 
-#define PARTLY 0.95   /* of the tolerance: for partly visible pairs */
-#define WHOLLY 0.02   /* of the tolerance: goal of exchange for the others, over A A / (pi D^2) */
-#define ROUGH 1e-2    /* goal of an estimate */
-#define SAMPLE 0.01   /* share of pairs that are integrated from both sides */
+#define PARTLY 0.95 /* of the tolerance: for partly visible pairs */
+#define WHOLLY 0.02 /* of the tolerance: goal of exchange for the others, over A A / (pi D^2) */
+#define ROUGH 1e-2  /* goal of an estimate */
+#define SAMPLE 0.01 /* share of pairs that are integrated from both sides */
 #define LEAST_SAMPLE 200
 
 /* What the shares of the tolerance follow from. */
@@ -158,8 +158,7 @@ static enum rad_code partly_visible(struct rad_pairs *p, struct worker *w, const
     code = rad_cell_integrate(p->g, w->scratch, &task, &p->from_other[k], &error, e);
     points += rad_cell_points(w->scratch);
     double scale = fmin(p->g->scene->triangle[i].area, p->g->scene->triangle[j].area);
-    if (!code &&
-        !(fabs(p->from_other[k] - p->value[k]) <= error + p->error[k] + 1e-13 * scale))
+    if (!code && !(fabs(p->from_other[k] - p->value[k]) <= error + p->error[k] + 1e-13 * scale))
       code = rad_fail(e, RAD_ENUMERIC,
                       "an error of the program: triangles %d and %d exchange %.9g +- %.1e m2 seen "
                       "from the first and %.9g +- %.1e m2 from the second; please report the scene",
@@ -214,7 +213,8 @@ enum rad_code rad_pairs_integrate(const struct rad_pair_engine *g, double tolera
   if (!code && (!s.area || !s.sum || !s.count))
     code = rad_fail_memory(e, "the view factors", 24.0 * (double)n);
   const double goal[2] = {WHOLLY * tolerance, 0};
-  const double goals[2] = {tolerance, fmax(3e3, fmin(2e4, (double)limit / (double)(p->n_partly + 1)))};
+  const double goals[2] = {tolerance,
+                           fmax(3e3, fmin(2e4, (double)limit / (double)(p->n_partly + 1)))};
   if (!code)
     code = all_rows(p, NULL, goal, e);
   if (!code && p->n_partly) {

@@ -8,13 +8,13 @@
 
 /* Pairs (i, j), i < j, of row i: entries first[i] .. first[i + 1], j ascending. */
 struct rad_pairs {
-  const struct rad_pair_engine *g; /* borrowed */
-  int n;                           /* triangles */
-  int64_t *first;                  /* owned [n + 1] */
-  int *other;                      /* owned: j */
-  double *value;                   /* owned: int_i int_j G dS dS [m2] */
-  double *error;                   /* owned: at most [m2] */
-  double *from_other;              /* owned: the value from the other side, or NaN */
+  const struct rad_pair_engine *g;     /* borrowed */
+  int n;                               /* triangles */
+  int64_t *first;                      /* owned [n + 1] */
+  int *other;                          /* owned: j */
+  double *value;                       /* owned: int_i int_j G dS dS [m2] */
+  double *error;                       /* owned: at most [m2] */
+  double *from_other;                  /* owned: the value from the other side, or NaN */
   int64_t points, n_partly, n_limited; /* n_limited: pairs that met the limit of their points */
   int limited[2];                      /* one of them */
 };

@@ -89,8 +89,7 @@ static double through(const struct rad_pair *p, const struct rad_flat *cell,
       f.normal[d] = sign * normal[d];
     for (int c = 0; c < f.n; c++)
       for (int d = 0; d < 3; d++)
-        f.corner[c][d] =
-            x->origin[d] + part->corner[c][0] * x->u[d] + part->corner[c][1] * x->v[d];
+        f.corner[c][d] = x->origin[d] + part->corner[c][0] * x->u[d] + part->corner[c][1] * x->v[d];
     rad_flat_orient(&f);
     sum += rad_exchange(&p->g->gauss, cell, &f, ROUGH, &error);
     sum += error;

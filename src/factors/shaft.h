@@ -1,4 +1,5 @@
-/* The convex hull of a cell and the target it looks at, by planes: what lies outside blocks nothing.
+/* The convex hull of a cell and the target it looks at, by planes: what lies outside blocks
+ * nothing.
  */
 #ifndef RAD_FACTORS_SHAFT_H
 #define RAD_FACTORS_SHAFT_H

@@ -8,13 +8,13 @@
 #define ROUGH 1e-2
 #define NOTHING 1e-24 /* of the square of the pair's size: an area */
 
-#define FLAT 1e-9     /* sine that is none */
+#define FLAT 1e-9 /* sine that is none */
 
 /* The target's plane. */
 struct screen {
   const struct rad_pair *p;
   double u[3], v[3];
-  struct rad_polygon face;                       /* the target, counterclockwise */
+  struct rad_polygon face;                      /* the target, counterclockwise */
   struct rad_polygon swept[RAD_MAX_SILHOUETTE]; /* where the shadow of an edge may be */
 };
 
@@ -99,8 +99,8 @@ static void sweep(struct screen *s, const struct rad_flat *cell, const struct ra
   rad_common(&s->face, swept);
 }
 
-/* True if two segments are not in one plane: only then may they seem to cross from other points than
- * those of that plane, which is a line on the cell, and have nothing in common. */
+/* True if two segments are not in one plane: only then may they seem to cross from other points
+ * than those of that plane, which is a line on the cell, and have nothing in common. */
 static int are_skew(const double *p, const double *q, const double *a, const double *b) {
   double u[3], v[3], w[3], cross[3];
   rad_sub(q, p, u);

@@ -23,7 +23,7 @@ struct rad_view_factors {
 };
 
 /**
- * F_st = 1/A_s sum_{i in s, j in t} I_ij,  I_ij = int_i int_j G(x, y) dS dS = I_ji      (theory 12.1)
+ * F_st = 1/A_s sum_{i in s, j in t} I_ij,  I_ij = int_i int_j G(x, y) dS dS = I_ji (theory 12.1)
  *
  * Each pair of triangles is integrated once, the outer integral over the smaller one. Pairs that
  * see all of each other are exact to rounding; others get a share of the tolerance, so that every

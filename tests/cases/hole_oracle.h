@@ -3,7 +3,8 @@
 #ifndef TESTS_HOLE_ORACLE_H
 #define TESTS_HOLE_ORACLE_H
 
-/* Hole [x0, x1] x [y0, y1] in the plane z between triangles `low` in the plane 0 and `high` in h. */
+/* Hole [x0, x1] x [y0, y1] in the plane z between triangles `low` in the plane 0 and `high` in h.
+ */
 struct hole {
   double low[3][2], high[3][2]; /* counterclockwise as seen from above */
   double h, z, x0, x1, y0, y1;

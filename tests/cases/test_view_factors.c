@@ -318,7 +318,8 @@ END_TEST
 /* ---- estimates and limits ---- */
 
 /* Triangles floor and ceiling of legs 1 at distance h, and between them at height z a sheet from
- * -0.5 to 1.5 with a square hole at (x, y). Another diagonal of the sheet's rectangles if turned. */
+ * -0.5 to 1.5 with a square hole at (x, y). Another diagonal of the sheet's rectangles if turned.
+ */
 static void sheet_rectangle(struct deck_text *d, double x0, double y0, double x1, double y1,
                             double z) {
   const double p[4][3] = {{x0, y0, z}, {x1, y0, z}, {x1, y1, z}, {x0, y1, z}};
@@ -341,7 +342,6 @@ static void hole_deck(struct deck_text *d, double x, double y, double a, double 
 }
 
 #define HOLE 0.00458706936 /* of (0.146, 0.266), 0.048 wide, plates 0.03 apart: to 1e-11 */
-
 
 /* The plane of a tilted source crosses the target in general position: zero on one side and, seen
  * from there, a kink. From the source the visible part of the target has a smooth factor. */
@@ -387,7 +387,8 @@ static void hold_hole(const struct deck_text *d, const char *name, double exact)
   }
 }
 
-/* cases/hole.yml: .000308 +- 8.8e-5 was said, and with another diagonal of the sheet other things. */
+/* cases/hole.yml: .000308 +- 8.8e-5 was said, and with another diagonal of the sheet other things.
+ */
 START_TEST(hole) {
   struct deck_text *d = malloc(sizeof *d);
   hole_deck(d, 0.146, 0.266, 0.048, 0.03, 0.015);
