@@ -9,12 +9,14 @@
 #include "factors/exchange.h"
 #include "factors/pair.h"
 #include "factors/proof.h"
+#include "factors/skew.h"
 #include "factors/triangle_rule.h"
 
 #define ROUGH 1e-2        /* goal of an exchange that only bounds */
 #define EXACT 1e-11       /* goal of one that is a value */
 #define SAFETY 3.0        /* of the difference of two rules where F is analytic */
-#define SAFETY_SKEW 10.0  /* where three edges may meet in one ray */
+#define LUCK 0.05         /* rules that agree to less of the curvature do so by chance */
+#define LUCK_AGAIN 0.01   /* the same of the error before */
 #define GAIN 0.2          /* a higher rule is worth it if the last one gained this */
 #define LIMIT 200000      /* points of a task */
 #define LEAST_PIECE 1e-13 /* of a cell's area */
@@ -25,10 +27,9 @@ enum state { DONE, SMOOTH, CUT, SPLIT };
 
 struct cell {
   double corner[3][3]; /* barycentric */
-  double bound;        /* of int F dS: what may be seen at most, less what is at least */
+  double skew;         /* what may hinge on three edges in a ray: in every error [m2] */
   int first, n;        /* blockers, in the scratch's list */
   int depth, rule;
-  double before; /* error of the rule before, over that of this one's scale */
   enum state state;
 };
 
@@ -61,6 +62,10 @@ void rad_cell_scratch_free(struct rad_cell_scratch *s) {
   free(s->list);
   free(s->mark);
   free(s);
+}
+
+int64_t rad_cell_points(const struct rad_cell_scratch *s) {
+  return s->points;
 }
 
 /* ---- the worst cell first ---- */
@@ -108,9 +113,24 @@ static int pop(struct rad_cell_scratch *s, const struct rad_cell_task *t) {
 
 /* ---- points ---- */
 
-/* sums [n_weight] of a rule: int w F dS; largest |w| into most. */
+/* What a rule says of each weight. */
+struct sums {
+  double sum[RAD_MAX_WEIGHT], most[RAD_MAX_WEIGHT], curvature[RAD_MAX_WEIGHT];
+};
+
+/* How much w F differs between the centre and the rings of three points of the rule of seven, over
+ * the cell: a rule that is exact for linear functions may be wrong by that. */
+static double curvature(const double *at, int stride, double area) {
+  double ring[2] = {0, 0};
+  for (int q = 0; q < 6; q++)
+    ring[q / 3] += at[(1 + q) * stride] / 3;
+  return area * fmax(fabs(at[0] - ring[0]), fabs(at[0] - ring[1]));
+}
+
+/* sums [n_weight] of a rule: int w F dS; largest |w| into most; for the rule of seven points also
+ * the curvature. */
 static void apply_rule(struct rad_cell_scratch *s, const struct rad_cell_task *t,
-                       const struct cell *c, int rule, double area, double *sum, double *most) {
+                       const struct cell *c, int rule, double area, struct sums *r) {
   double lambda[RAD_TRIANGLE_POINTS][3], at[RAD_TRIANGLE_POINTS][3], weight[RAD_TRIANGLE_POINTS];
   double w[RAD_TRIANGLE_POINTS * RAD_MAX_WEIGHT];
   int n = rad_triangle_points[rule];
@@ -120,16 +140,19 @@ static void apply_rule(struct rad_cell_scratch *s, const struct rad_cell_task *t
   if (t->weight)
     t->weight(t->context, n, (const double(*)[3])at, w);
   for (int k = 0; k < t->n_weight; k++)
-    sum[k] = most[k] = 0;
+    r->sum[k] = r->most[k] = 0;
   for (int q = 0; q < n; q++) {
     double f = rad_pair_seen(&s->pair, c->n, s->list + c->first, at[q]);
     s->failed |= f < 0;
     for (int k = 0; k < t->n_weight; k++) {
       double wk = t->weight ? w[q * t->n_weight + k] : 1;
-      sum[k] += area * weight[q] * f * wk;
-      most[k] = fmax(most[k], fabs(wk));
+      r->sum[k] += area * weight[q] * f * wk;
+      r->most[k] = fmax(r->most[k], fabs(wk));
+      w[q * t->n_weight + k] = f * wk;
     }
   }
+  for (int k = 0; k < t->n_weight && rule == RULE_FIRST; k++)
+    r->curvature[k] = curvature(w + k, t->n_weight, area);
   s->points += n;
 }
 
@@ -171,22 +194,37 @@ static void cull(struct rad_cell_scratch *s, const struct rad_flat *cell, int fi
   s->n_list += c->n;
 }
 
+/* A higher rule would not help where much of the error is what hinges on three edges. */
+static void judge(const struct rad_cell_scratch *s, const struct rad_cell_task *t, struct cell *c,
+                  const double *most, int at) {
+  double hinge = 0;
+  for (int k = 0; k < t->n_weight; k++)
+    hinge = fmax(hinge, c->skew * most[k] / t->tolerance[k]);
+  if (hinge > 0.5 * urgency(s, t, at))
+    c->state = SPLIT;
+}
+
 /* Values by two rules, errors by their difference, or by the range if that says less or they mean
  * nothing. */
 static void by_rules(struct rad_cell_scratch *s, const struct rad_cell_task *t, struct cell *c,
-                     const struct rad_range *range, double area, double safety, int at) {
-  double low[RAD_MAX_WEIGHT], most[RAD_MAX_WEIGHT];
+                     const struct rad_range *range, double area, int at) {
+  struct sums low, high;
   double *value = s->value + (size_t)at * t->n_weight, *error = s->error + (size_t)at * t->n_weight;
   if (c->state == SMOOTH)
-    apply_rule(s, t, c, RULE_LOW, area, low, most);
-  apply_rule(s, t, c, c->state == SMOOTH ? RULE_FIRST : RULE_LOW, area, value, most);
+    apply_rule(s, t, c, RULE_LOW, area, &low);
+  apply_rule(s, t, c, c->state == SMOOTH ? RULE_FIRST : RULE_LOW, area, &high);
   for (int k = 0; k < t->n_weight; k++) {
-    if (!t->weight)
-      value[k] = fmin(fmax(value[k], range->low), range->high);
-    double bound = t->weight ? most[k] * range->high + fabs(value[k])
-                             : fmax(range->high - value[k], value[k] - range->low);
-    error[k] = c->state == SMOOTH ? fmin(bound, safety * fabs(value[k] - low[k])) : bound;
+    double most = high.most[k];
+    value[k] = t->weight ? high.sum[k] : fmin(fmax(high.sum[k], range->low), range->high);
+    error[k] = t->weight ? most * range->high + fabs(value[k])
+                         : fmax(range->high - value[k], value[k] - range->low);
+    if (c->state != SMOOTH)
+      continue;
+    double told = fmax(fabs(high.sum[k] - low.sum[k]), LUCK * high.curvature[k]);
+    error[k] = fmin(error[k], SAFETY * told + c->skew * most);
   }
+  if (c->state == SMOOTH && c->skew > 0)
+    judge(s, t, c, high.most, at);
 }
 
 static void set_exact(struct rad_cell_scratch *s, const struct rad_cell_task *t, int at,
@@ -207,7 +245,7 @@ static void wholly_seen(struct rad_cell_scratch *s, const struct rad_cell_task *
   if (t->weight) {
     struct rad_range range = {fmax(0, value - error), value + error};
     c->state = rad_critical_far(&s->pair, flat, &none) ? SMOOTH : SPLIT;
-    by_rules(s, t, c, &range, area, SAFETY, at);
+    by_rules(s, t, c, &range, area, at);
   } else {
     set_exact(s, t, at, value, error);
   }
@@ -233,9 +271,9 @@ static void partly_seen(struct rad_cell_scratch *s, const struct rad_cell_task *
              : critical.n_line                             ? CUT
              : rad_critical_far(&s->pair, flat, &critical) ? SMOOTH
                                                            : SPLIT;
-  by_rules(s, t, c, &range, area, critical.skew ? SAFETY_SKEW : SAFETY, at);
-  if (critical.skew)
-    c->before = -1;
+  if (c->state == SMOOTH && critical.skew)
+    c->skew = rad_skew_bound(&s->pair, flat, shaft, &critical, range.high);
+  by_rules(s, t, c, &range, area, at);
 }
 
 /* Add a cell with its value and error; the parent's blockers are list[first .. first + n]. */
@@ -250,7 +288,7 @@ static void add_cell(struct rad_cell_scratch *s, const struct rad_cell_task *t,
     return;
   }
   s->n_cell++;
-  struct cell c = {.depth = depth, .rule = RULE_FIRST, .before = INFINITY};
+  struct cell c = {.depth = depth, .rule = RULE_FIRST};
   struct rad_flat flat;
   struct rad_shaft shaft;
   memcpy(c.corner, corner, sizeof c.corner);
@@ -352,22 +390,27 @@ static void cut(struct rad_cell_scratch *s, const struct rad_cell_task *t, const
 /* The next rule; its difference from the last tells the error. */
 static void raise_rule(struct rad_cell_scratch *s, const struct rad_cell_task *t, int at) {
   struct cell *c = &s->cell[at];
-  double sum[RAD_MAX_WEIGHT], most[RAD_MAX_WEIGHT], safety = c->before < 0 ? SAFETY_SKEW : SAFETY;
+  struct sums r;
   struct rad_flat flat;
   flatten(&s->pair, c->corner, &flat);
   double last = urgency(s, t, at), area = rad_flat_area(&flat);
-  apply_rule(s, t, c, ++c->rule, area, sum, most);
+  apply_rule(s, t, c, ++c->rule, area, &r);
   for (int k = 0; k < t->n_weight; k++) {
     double *value = &s->value[(size_t)at * t->n_weight + k];
     double *error = &s->error[(size_t)at * t->n_weight + k];
-    double now = safety * fabs(sum[k] - *value);
-    s->total_value[k] += sum[k] - *value;
+    double skew = c->skew * r.most[k], before = fmax(0, *error - skew);
+    double now = skew + fmax(SAFETY * fabs(r.sum[k] - *value), LUCK_AGAIN * before);
+    s->total_value[k] += r.sum[k] - *value;
     s->total_error[k] += now - *error;
-    *value = sum[k];
+    *value = r.sum[k];
     *error = now;
   }
   if (c->rule + 1 == RAD_TRIANGLE_RULES || urgency(s, t, at) > GAIN * last)
-    c->state = c->depth >= MOST_DEPTH ? DONE : SPLIT;
+    c->state = SPLIT;
+  if (c->skew > 0)
+    judge(s, t, c, r.most, at);
+  if (c->state == SPLIT && c->depth >= MOST_DEPTH)
+    c->state = DONE;
   if (c->state != DONE)
     push(s, t, at);
 }
@@ -448,6 +491,7 @@ enum rad_code rad_cell_integrate(const struct rad_pair_engine *g, struct rad_cel
   memset(value, 0, sizeof(double) * (size_t)task->n_weight);
   memset(error, 0, sizeof(double) * (size_t)task->n_weight);
   s->failed = 0;
+  s->points = 0;
   if (!s->mark)
     s->mark = rad_calloc((size_t)g->visibility->occluders.n, sizeof *s->mark);
   int seen = s->mark ? rad_pair_set(g, task->source, task->target, &s->pair) : -1;

@@ -47,4 +47,7 @@ enum rad_code rad_cell_integrate(const struct rad_pair_engine *g, struct rad_cel
                                  const struct rad_cell_task *task, double *value, double *error,
                                  struct rad_error *e);
 
+/* Points of y that the last task took. */
+int64_t rad_cell_points(const struct rad_cell_scratch *s);
+
 #endif

@@ -32,13 +32,14 @@ static double polygon_side(const struct rad_pair *p, const double y[3], const do
   return rad_dot(normal, inward);
 }
 
-/* True if another blocker goes on beyond a side wherever in the cell one looks from. */
+/* True if another polygon goes on beyond a side wherever in the cell one looks from, or has the
+ * side and does not reach into the shaft: then neither does the side. */
 static int goes_on(const struct rad_pair *p, const struct rad_flat *cell, int side, const double *a,
                    const double *b, const int *mark, int now) {
   for (int other = p->g->twin[side]; other >= 0 && other != side; other = p->g->twin[other]) {
     int opposite = 0, same = 0;
     if (mark[p->g->owner[other]] != now)
-      continue;
+      return 1;
     for (int m = 0; m < 3; m++) {
       double product = polygon_side(p, cell->corner[m], a, b, side) *
                        polygon_side(p, cell->corner[m], a, b, other);
@@ -51,6 +52,15 @@ static int goes_on(const struct rad_pair *p, const struct rad_flat *cell, int si
   return 0;
 }
 
+/* Another polygon's side was it before. */
+static int is_known(const struct rad_critical *c, int from, int to) {
+  for (int e = 0; e < c->n_edge; e++)
+    if ((c->edge[e].vertex[0] == from && c->edge[e].vertex[1] == to) ||
+        (c->edge[e].vertex[0] == to && c->edge[e].vertex[1] == from))
+      return 1;
+  return 0;
+}
+
 static void find_edges(const struct rad_pair *p, const struct rad_flat *cell,
                        const struct rad_shaft *shaft, int n, const int *list, const int *mark,
                        int now, struct rad_critical *c) {
@@ -59,18 +69,16 @@ static void find_edges(const struct rad_pair *p, const struct rad_flat *cell,
     const struct rad_occluder *k = &o->occluder[p->blocker[list[i]]];
     for (int s = 0; s < k->n; s++) {
       const double *end[2] = {corner_of(p, k, s), corner_of(p, k, s + 1)};
-      if (rad_shaft_misses(shaft, 2, end) ||
+      int from = o->corner[k->first + s], to = o->corner[k->first + (s + 1) % k->n];
+      if (is_known(c, from, to) || rad_shaft_misses(shaft, 2, end) ||
           goes_on(p, cell, k->first + s, end[0], end[1], mark, now))
         continue;
       if (c->n_edge == RAD_MAX_SILHOUETTE) {
         c->crowded = 1;
         return;
       }
-      c->edge[c->n_edge++] =
-          (struct rad_silhouette){end[0],
-                                  end[1],
-                                  {o->corner[k->first + s], o->corner[k->first + (s + 1) % k->n]},
-                                  k->plane};
+      c->edge[c->n_edge++] = (struct rad_silhouette){
+          end[0], end[1], {from, to}, k->plane, p->g->body[p->blocker[list[i]]]};
       c->skew |= k->plane != c->edge[0].plane;
     }
   }
@@ -211,7 +219,7 @@ static void edges_and_edges(struct search *s) {
   for (int a = 0; a < c->n_edge; a++)
     for (int b = 0; b < c->n_edge && !c->crowded; b++) {
       const struct rad_silhouette *x = &c->edge[a], *y = &c->edge[b];
-      if (x->plane == y->plane)
+      if (x->plane == y->plane || rad_same_body(x, y))
         continue;
       for (int k = 0; k < 2; k++)
         if (y->vertex[k] != x->vertex[0] && y->vertex[k] != x->vertex[1])

@@ -11,8 +11,13 @@ enum { RAD_MAX_SILHOUETTE = 24, RAD_MAX_LINE = 8 };
 struct rad_silhouette {
   const double *p, *q; /* its ends */
   int vertex[2];       /* scene vertices */
-  int plane;
+  int plane, body;     /* body: convex, or -1 */
 };
+
+/* Silhouettes of one convex body never cross. */
+static inline int rad_same_body(const struct rad_silhouette *a, const struct rad_silhouette *b) {
+  return a->body >= 0 && a->body == b->body;
+}
 
 struct rad_critical {
   int n_edge, n_line;

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
+#include "factors/body.h"
 
 /* A side of an occluder, by its vertices. */
 struct side {
@@ -41,7 +42,8 @@ enum rad_code rad_pair_engine_init(const struct rad_scene *scene, struct rad_pai
   struct side *side = rad_alloc((size_t)n, sizeof *side);
   g->twin = rad_alloc((size_t)n, sizeof *g->twin);
   g->owner = rad_alloc((size_t)n, sizeof *g->owner);
-  if (!side || !g->twin || !g->owner)
+  g->body = rad_alloc((size_t)o->n, sizeof *g->body);
+  if (!side || !g->twin || !g->owner || !g->body)
     code = rad_fail_memory(e, "the edges of what casts shadows", 20.0 * n);
   for (int k = 0; k < o->n && !code; k++)
     for (int c = 0; c < o->occluder[k].n; c++) {
@@ -53,6 +55,8 @@ enum rad_code rad_pair_engine_init(const struct rad_scene *scene, struct rad_pai
   if (!code) {
     qsort(side, (size_t)n, sizeof *side, compare_sides);
     find_twins(n, side, g->twin);
+    if (rad_bodies_find(o, g->twin, g->owner, g->body))
+      code = rad_fail_memory(e, "the edges of what casts shadows", 8.0 * o->n);
   }
   free(side);
   return code;
@@ -62,5 +66,6 @@ void rad_pair_engine_free(struct rad_pair_engine *g) {
   rad_gauss_free(&g->gauss);
   free(g->twin);
   free(g->owner);
+  free(g->body);
   *g = (struct rad_pair_engine){0};
 }

@@ -14,6 +14,7 @@ struct rad_pair_engine {
   int *twin;  /* owned [corners of all occluders], of the side from corner c to the next: a side of
                  another occluder between the same two vertices; -1: none, a free edge */
   int *owner; /* owned, the same size: the occluder of a side */
+  int *body;  /* owned [occluders] convex body of each, see rad_bodies_find; -1: none */
 };
 
 /**

@@ -11,7 +11,7 @@ enum { LOWEST = 0, HIGHEST = 4, MOST_ROOM = 16 * (RAD_MAX_CORNER - 2) };
 /* The error of a rule of degree p on both sides is at most GROWTH (p + 2)^2 q^{p + 1} of A_P A_Q /
  * (pi D^2), D the distance between centres and q the sum of radii over D (tests/unit/
  * test_exchange.c looks for worse in random pairs). */
-#define GROWTH 1.0
+#define GROWTH 0.1
 #define FARTHEST_Q 0.6
 
 #define ROUNDING 2e-15

@@ -41,19 +41,15 @@ static int set_blockers(struct rad_pair *p) {
   return 0;
 }
 
-int rad_pair_set(const struct rad_pair_engine *g, int source, int target, struct rad_pair *p) {
-  const struct rad_scene *scene = g->scene;
+int rad_pair_set_unobstructed(const struct rad_pair_engine *g, int source, int target,
+                              struct rad_pair *p) {
+  double h[3];
   p->g = g;
   p->source = source;
   p->target = target;
-  p->s = &scene->triangle[source];
-  p->t = &scene->triangle[target];
+  p->s = &g->scene->triangle[source];
+  p->t = &g->scene->triangle[target];
   p->n_blocker = 0;
-  unsigned char sight =
-      g->visibility->sight[(size_t)source * (size_t)scene->n_triangle + (size_t)target];
-  if (sight == RAD_HIDDEN)
-    return 0;
-  double h[3];
   rad_heights(p->s, p->t, h);
   p->front = (struct rad_polygon){.n = 3, .corner = {{0, 0}, {1, 0}, {0, 1}}};
   rad_clip(&p->front, h[0], h[1] - h[0], h[2] - h[0]);
@@ -61,6 +57,14 @@ int rad_pair_set(const struct rad_pair_engine *g, int source, int target, struct
     return 0;
   set_face(p);
   set_size(p);
+  return 1;
+}
+
+int rad_pair_set(const struct rad_pair_engine *g, int source, int target, struct rad_pair *p) {
+  unsigned char sight =
+      g->visibility->sight[(size_t)source * (size_t)g->scene->n_triangle + (size_t)target];
+  if (sight == RAD_HIDDEN || !rad_pair_set_unobstructed(g, source, target, p))
+    return 0;
   return sight == RAD_PARTLY && set_blockers(p) ? -1 : 1;
 }
 

@@ -27,6 +27,9 @@ struct rad_pair {
 /* Set out with a pair; 0 if they do not face each other or the sight is RAD_HIDDEN, -1 without
  * memory, else 1. A pair that was zero or used before; to be freed with rad_pair_free. */
 int rad_pair_set(const struct rad_pair_engine *g, int source, int target, struct rad_pair *p);
+/* The same without blockers, whatever the sight. */
+int rad_pair_set_unobstructed(const struct rad_pair_engine *g, int source, int target,
+                              struct rad_pair *p);
 void rad_pair_free(struct rad_pair *p); /* safe twice */
 
 /* The part of a cell of the source in front of the target's plane: a convex polygon in (l1, l2),

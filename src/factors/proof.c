@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "factors/exchange.h"
+#include "factors/hull2.h"
 
 #define COVERED 1e-11 /* share of a crossing that rounding may leave open */
 #define LITTLE 0.5    /* share left open below which it is worth a bound */
@@ -22,38 +23,11 @@ static void set_plane(const struct rad_pair *p, const struct rad_occluder *k, st
   rad_cross(k->normal, x->u, x->v);
 }
 
-static double turn_2d(const double a[2], const double b[2], const double c[2]) {
-  return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-}
-
-/* Convex hull of few points, counterclockwise: gift wrapping. */
-static void wrap(int n, const double (*at)[2], struct rad_polygon *hull) {
-  int start = 0, now, count = 0;
-  for (int k = 1; k < n; k++)
-    if (at[k][0] < at[start][0] || (at[k][0] == at[start][0] && at[k][1] < at[start][1]))
-      start = k;
-  now = start;
-  hull->n = 0;
-  do {
-    hull->corner[hull->n][0] = at[now][0];
-    hull->corner[hull->n++][1] = at[now][1];
-    int next = now == 0 ? 1 : 0;
-    for (int k = 0; k < n; k++) {
-      double turn = turn_2d(at[now], at[next], at[k]);
-      double near = hypot(at[next][0] - at[now][0], at[next][1] - at[now][1]);
-      double far = hypot(at[k][0] - at[now][0], at[k][1] - at[now][1]);
-      if (turn < 0 || (turn == 0 && far > near))
-        next = k;
-    }
-    now = next;
-  } while (now != start && ++count < n && hull->n < RAD_MAX_CORNER - 1);
-}
-
 /* The crossing; 0 if the plane does not part cell and target, -1: it does, the other way round. */
 static int cross(const struct rad_pair *p, const struct rad_flat *cell,
                  const struct rad_occluder *k, struct crossing *x) {
   const struct rad_flat *t = &p->face;
-  double of_cell[3], of_target[RAD_MAX_CORNER], r[3], at[3 * RAD_MAX_CORNER][2];
+  double of_cell[3], of_target[4], r[3], at[3 * 4][2];
   double zero = 1e-12 * p->size, sign = 0;
   set_plane(p, k, x);
   for (int c = 0; c < 3; c++) {
@@ -84,7 +58,7 @@ static int cross(const struct rad_pair *p, const struct rad_flat *cell,
     }
   if (n < 3)
     return 0;
-  wrap(n, (const double(*)[2])at, &x->hull);
+  rad_hull2(n, at, &x->hull);
   return sign > 0 ? 1 : -1;
 }
 

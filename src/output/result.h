@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 #include "estimate/balance.h"
-#include "estimate/view_factors.h"
+#include "factors/view_factors.h"
 #include "output/task.h"
 #include "scene/scene.h"
 

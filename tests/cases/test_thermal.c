@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "estimate/view_factors.h"
+#include "factors/view_factors.h"
 #include "output/thermal.h"
 #include "scene/heat.h"
 #include "scene_text.h"

@@ -1,5 +1,6 @@
 """output.view_factors as users meet it: the key, the summary, the file, `info`, limits."""
 
+import math
 import re
 import shutil
 import subprocess
@@ -39,7 +40,7 @@ class ViewFactors(test_cli.Case):
         self.assertRegex(p.stdout, r'ATTRIBUTE "unit"(.|\n)*?"1"')
         self.assertIn('ATTRIBUTE "description"', p.stdout)
         data = p.stdout[p.stdout.index("DATA {"):p.stdout.index("ATTRIBUTE")]
-        return [float(x) for x in re.findall(r"[-+0-9.e]+(?=[,\s])", data[6:])]
+        return [float(x) for x in re.findall(r"[-+0-9.e]+(?=[,\s])|nan", data[6:])]
 
     def look(self, tolerance, *options):
         out = self.done("run", "deck.yml", "-o", "a.h5", *options).stdout
@@ -51,8 +52,7 @@ class ViewFactors(test_cli.Case):
         for i, f in enumerate(matrix):
             self.assertLessEqual(abs(f - exact(i // 6, i % 6)), tolerance)
             self.assertLessEqual(error[i], tolerance)
-            self.assertLessEqual(reciprocity[i], 2 * tolerance)
-            self.assertEqual(reciprocity[i], reciprocity[i % 6 * 6 + i // 6])
+            self.assertTrue(math.isnan(reciprocity[i]))  # both directions only of what is partly hidden
         for s, row in enumerate(rows):
             self.assertLessEqual(abs(row - 1), tolerance)
             self.assertAlmostEqual(row, sum(matrix[6 * s:6 * s + 6]), 13)
