@@ -1,22 +1,21 @@
-// survey_oracle FILE means|factors|rays [first=N] [most=N] [replicates=N] [lamps=N] [target=X] [seed=N]
-// Lines `what i j value standard_error`: factor i j (from i to j), row_sum i 0, direct_irradiance i band (by
-// emission alone); irradiance, radiosity and net (radiosity less irradiance) of surface i in a band.
+// survey_oracle FILE means|factors|rays [first=N] [most=N] [replicates=N] [lamps=N] [target=X]
+// [seed=N] Lines `what i j value standard_error`: factor i j (from i to j), row_sum i 0,
+// direct_irradiance i band (by emission alone); irradiance, radiosity and net (radiosity less
+// irradiance) of surface i in a band.
 #include "oracle.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static bool power_of_two(double x)
-{
+static bool power_of_two(double x) {
   for (double p = 1; p <= 1 << 24; p *= 2)
     if (x == p)
       return true;
   return false;
 }
 
-static void set(struct oracle_settings *o, const char *text)
-{
+static void set(struct oracle_settings *o, const char *text) {
   const char *equal = strchr(text, '=');
   const double x = equal ? atof(equal + 1) : 0;
   const size_t n = equal ? (size_t)(equal - text) : 0;
@@ -36,11 +35,13 @@ static void set(struct oracle_settings *o, const char *text)
     oracle_die("what is %s?", text);
 }
 
-int main(int argc, char **argv)
-{
-  struct oracle_settings o = {.first = 64, .most = 1024, .replicates = 16, .lamps = 4, .target = 1e-5, .seed = 1};
+int main(int argc, char **argv) {
+  struct oracle_settings o = {
+      .first = 64, .most = 1024, .replicates = 16, .lamps = 4, .target = 1e-5, .seed = 1};
   if (argc < 3)
-    oracle_die("usage: FILE means|factors|rays [first=N] [most=N] [replicates=N] [lamps=N] [target=X] [seed=N]");
+    oracle_die(
+        "usage: FILE means|factors|rays [first=N] [most=N] [replicates=N] [lamps=N] [target=X] "
+        "[seed=N]");
   for (int i = 3; i < argc; i++)
     set(&o, argv[i]);
   struct oracle_scene *s = oracle_read(argv[1]);

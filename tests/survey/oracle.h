@@ -1,6 +1,6 @@
-// Oracle of the survey: means and view factors of a scene of triangles, by means of its own. It shares
-// nothing with src/: no code, no header, no format of files. Surfaces radiate on the side of their
-// normals; both sides block; what reaches a back is lost.
+// Oracle of the survey: means and view factors of a scene of triangles, by means of its own. It
+// shares nothing with src/: no code, no header, no format of files. Surfaces radiate on the side of
+// their normals; both sides block; what reaches a back is lost.
 #ifndef SURVEY_ORACLE_H
 #define SURVEY_ORACLE_H
 
@@ -31,25 +31,20 @@ struct oracle_scene {
   struct blockers **between; // [faces, faces], made when first asked for
 };
 
-static inline struct vec sub(struct vec a, struct vec b)
-{
+static inline struct vec sub(struct vec a, struct vec b) {
   return (struct vec){a.x - b.x, a.y - b.y, a.z - b.z};
 }
-static inline struct vec along(struct vec a, double t, struct vec d)
-{
+static inline struct vec along(struct vec a, double t, struct vec d) {
   return (struct vec){a.x + t * d.x, a.y + t * d.y, a.z + t * d.z};
 }
-static inline double dot(struct vec a, struct vec b)
-{
+static inline double dot(struct vec a, struct vec b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
-static inline struct vec cross(struct vec a, struct vec b)
-{
+static inline struct vec cross(struct vec a, struct vec b) {
   return (struct vec){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 // Height of p over the plane of f, on the radiating side positive.
-static inline double height(const struct face *f, struct vec p)
-{
+static inline double height(const struct face *f, struct vec p) {
   return dot(f->normal, p) - f->offset;
 }
 
@@ -64,7 +59,8 @@ bool oracle_facing(const struct oracle_scene *s, int a, int b);
 // Faces that may stand between a and b.
 const struct blockers *oracle_between(struct oracle_scene *s, int a, int b);
 // First face that a ray from x on face a meets, or -1; where it meets it.
-int oracle_hit(const struct oracle_scene *s, int a, struct vec x, struct vec direction, struct vec *at);
+int oracle_hit(const struct oracle_scene *s, int a, struct vec x, struct vec direction,
+               struct vec *at);
 // View factor from the point x of face a to what it sees of face t.
 double oracle_seen(struct oracle_scene *s, int a, struct vec x, int t);
 
@@ -78,7 +74,8 @@ struct vec oracle_cosine(struct vec normal, double a, double b);
 struct oracle_settings {
   uint32_t first, most; // points a replicate: at least, at most (powers of two)
   int replicates, lamps;
-  double target; // standard error asked for: of a view factor, or of a mean over the largest radiosity
+  double
+      target; // standard error asked for: of a view factor, or of a mean over the largest radiosity
   uint64_t seed;
 };
 // Mean and standard error of n independent values.

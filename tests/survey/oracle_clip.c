@@ -14,8 +14,7 @@ struct pieces {
   struct piece *list;
 };
 
-static void add(struct pieces *s, const struct piece *q)
-{
+static void add(struct pieces *s, const struct piece *q) {
   if (q->n < 3)
     return;
   if (s->n == s->capacity) {
@@ -27,16 +26,15 @@ static void add(struct pieces *s, const struct piece *q)
   s->list[s->n++] = *q;
 }
 
-static void push(struct piece *q, struct vec p)
-{
+static void push(struct piece *q, struct vec p) {
   if (q->n == most_corners)
     oracle_die("a piece has more than %d corners", most_corners);
   q->p[q->n++] = p;
 }
 
 // Parts of q where m . p > c, and where m . p < c.
-static void cut(const struct piece *q, struct vec m, double c, struct piece *above, struct piece *below)
-{
+static void cut(const struct piece *q, struct vec m, double c, struct piece *above,
+                struct piece *below) {
   above->n = below->n = 0;
   for (int k = 0; k < q->n; k++) {
     const struct vec a = q->p[k], b = q->p[(k + 1) % q->n];
@@ -53,8 +51,7 @@ static void cut(const struct piece *q, struct vec m, double c, struct piece *abo
   }
 }
 
-static bool outside(const struct piece *q, struct vec m, double c)
-{
+static bool outside(const struct piece *q, struct vec m, double c) {
   for (int k = 0; k < q->n; k++)
     if (dot(m, q->p[k]) > c)
       return false;
@@ -67,8 +64,7 @@ struct shadow {
 };
 
 // Shadow of b seen from x: the pyramid over b, beyond b.
-static bool make_shadow(const struct face *b, struct vec x, struct shadow *h)
-{
+static bool make_shadow(const struct face *b, struct vec x, struct shadow *h) {
   const double up = height(b, x);
   if (up == 0)
     return false;
@@ -84,8 +80,7 @@ static bool make_shadow(const struct face *b, struct vec x, struct shadow *h)
   return true;
 }
 
-static void subtract(struct pieces *from, struct pieces *to, const struct shadow *h)
-{
+static void subtract(struct pieces *from, struct pieces *to, const struct shadow *h) {
   to->n = 0;
   for (int i = 0; i < from->n; i++) {
     const struct piece *q = &from->list[i];
@@ -105,9 +100,9 @@ static void subtract(struct pieces *from, struct pieces *to, const struct shadow
   }
 }
 
-// Lambert's form: sum over edges of their angle times the cosine of their plane's normal, over 2 pi.
-static double lambert(const struct piece *q, struct vec normal)
-{
+// Lambert's form: sum over edges of their angle times the cosine of their plane's normal, over 2
+// pi.
+static double lambert(const struct piece *q, struct vec normal) {
   double sum = 0;
   for (int k = 0; k < q->n; k++) {
     const struct vec a = q->p[k], b = q->p[(k + 1) % q->n], c = cross(a, b);
@@ -118,8 +113,7 @@ static double lambert(const struct piece *q, struct vec normal)
   return fabs(sum) / (2 * M_PI);
 }
 
-double oracle_seen(struct oracle_scene *s, int a, struct vec x, int t)
-{
+double oracle_seen(struct oracle_scene *s, int a, struct vec x, int t) {
   static struct pieces now, next;
   const struct face *f = &s->face[a], *g = &s->face[t];
   if (s->coplanar[a * s->faces + t] || height(g, x) <= 0)

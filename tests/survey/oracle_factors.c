@@ -1,5 +1,6 @@
-// View factors between surfaces, and the irradiance by emission alone: outer points in scrambled Sobol
-// sequences on the smaller face of a pair, the inner integral closed; or rays, which share nothing with it.
+// View factors between surfaces, and the irradiance by emission alone: outer points in scrambled
+// Sobol sequences on the smaller face of a pair, the inner integral closed; or rays, which share
+// nothing with it.
 #include "oracle.h"
 
 #include <math.h>
@@ -12,28 +13,26 @@ struct sums {
   double *irradiance; // [replicates, surfaces, bands]: A_i times the mean irradiance by emission
 };
 
-static struct sums new_sums(const struct oracle_scene *s, int replicates)
-{
+static struct sums new_sums(const struct oracle_scene *s, int replicates) {
   const size_t n = (size_t)s->surfaces;
-  return (struct sums){replicates, s->surfaces, s->bands, oracle_new(replicates * n * n, sizeof(double)),
+  return (struct sums){replicates, s->surfaces, s->bands,
+                       oracle_new(replicates * n * n, sizeof(double)),
                        oracle_new(replicates * n * (size_t)s->bands, sizeof(double))};
 }
 
-static void free_sums(struct sums *q)
-{
+static void free_sums(struct sums *q) {
   free(q->exchange);
   free(q->irradiance);
 }
 
 // The outer integral of a pair runs over the smaller face.
-static bool outer(const struct oracle_scene *s, int a, int t)
-{
+static bool outer(const struct oracle_scene *s, int a, int t) {
   const double x = s->face[a].area, y = s->face[t].area;
   return (x < y || (x == y && a < t)) && oracle_facing(s, a, t);
 }
 
-static void add_pair(const struct oracle_scene *s, struct sums *q, int r, int a, int t, double exchange)
-{
+static void add_pair(const struct oracle_scene *s, struct sums *q, int r, int a, int t,
+                     double exchange) {
   const struct face *f = &s->face[a], *g = &s->face[t];
   const size_t n = (size_t)q->surfaces, i = (size_t)f->surface, j = (size_t)g->surface;
   q->exchange[(r * n + i) * n + j] += exchange;
@@ -45,13 +44,13 @@ static void add_pair(const struct oracle_scene *s, struct sums *q, int r, int a,
 }
 
 // Sums over points first..last of face a, for each replicate and face that a is the outer one of.
-static void add_points(struct oracle_scene *s, const struct oracle_settings *o, int a, uint32_t first, uint32_t last,
-                       const bool *wanted, double *sum)
-{
+static void add_points(struct oracle_scene *s, const struct oracle_settings *o, int a,
+                       uint32_t first, uint32_t last, const bool *wanted, double *sum) {
   for (int r = 0; r < o->replicates; r++) {
     const uint64_t seed = oracle_hash(o->seed * 1000003 + (uint64_t)r * 65537 + (uint64_t)a);
     for (uint32_t k = first; k < last; k++) {
-      const struct vec x = oracle_point(&s->face[a], oracle_sobol(k, 0, seed), oracle_sobol(k, 1, seed));
+      const struct vec x =
+          oracle_point(&s->face[a], oracle_sobol(k, 0, seed), oracle_sobol(k, 1, seed));
       for (int t = 0; t < s->faces; t++)
         if (wanted[t])
           sum[(size_t)r * s->faces + t] += oracle_seen(s, a, x, t);
@@ -60,9 +59,8 @@ static void add_points(struct oracle_scene *s, const struct oracle_settings *o, 
 }
 
 // The largest standard error that the pairs of face a add to a view factor.
-static double row_error(const struct oracle_scene *s, const struct oracle_settings *o, int a, uint32_t points,
-                        const bool *wanted, const double *sum)
-{
+static double row_error(const struct oracle_scene *s, const struct oracle_settings *o, int a,
+                        uint32_t points, const bool *wanted, const double *sum) {
   const struct face *f = &s->face[a];
   double worst = 0, value[oracle_replicates], mean, error;
   for (int j = 0; j < s->surfaces; j++) {
@@ -79,8 +77,8 @@ static double row_error(const struct oracle_scene *s, const struct oracle_settin
   return worst;
 }
 
-static void add_face(struct oracle_scene *s, const struct oracle_settings *o, int a, struct sums *q)
-{
+static void add_face(struct oracle_scene *s, const struct oracle_settings *o, int a,
+                     struct sums *q) {
   bool *wanted = oracle_new((size_t)s->faces, sizeof *wanted);
   double *sum = oracle_new((size_t)o->replicates * s->faces, sizeof *sum);
   bool any = false;
@@ -89,7 +87,8 @@ static void add_face(struct oracle_scene *s, const struct oracle_settings *o, in
   uint32_t points = o->first;
   if (any)
     add_points(s, o, a, 0, points, wanted, sum);
-  while (any && points < o->most && row_error(s, o, a, points, wanted, sum) > o->target / sqrt(s->faces)) {
+  while (any && points < o->most &&
+         row_error(s, o, a, points, wanted, sum) > o->target / sqrt(s->faces)) {
     add_points(s, o, a, points, 2 * points, wanted, sum);
     points *= 2;
   }
@@ -101,15 +100,13 @@ static void add_face(struct oracle_scene *s, const struct oracle_settings *o, in
   free(wanted);
 }
 
-static void print(const char *what, int i, int j, int n, const double *value)
-{
+static void print(const char *what, int i, int j, int n, const double *value) {
   double mean, error;
   oracle_mean(n, value, &mean, &error);
   printf("%s %d %d %.17g %.6g\n", what, i, j, mean, error);
 }
 
-void oracle_factors(struct oracle_scene *s, const struct oracle_settings *o)
-{
+void oracle_factors(struct oracle_scene *s, const struct oracle_settings *o) {
   struct sums q = new_sums(s, o->replicates);
   double value[oracle_replicates];
   for (int a = 0; a < s->faces; a++)
@@ -132,8 +129,7 @@ void oracle_factors(struct oracle_scene *s, const struct oracle_settings *o)
   free_sums(&q);
 }
 
-int oracle_pick(const struct oracle_scene *s, int surface, double share)
-{
+int oracle_pick(const struct oracle_scene *s, int surface, double share) {
   int last = -1;
   double left = share * s->area[surface];
   for (int i = 0; i < s->faces; i++)
@@ -146,8 +142,8 @@ int oracle_pick(const struct oracle_scene *s, int surface, double share)
 }
 
 // Hits a surface takes of the rays of another, divided by their number.
-static void shoot(struct oracle_scene *s, const struct oracle_settings *o, int i, int r, double *share)
-{
+static void shoot(struct oracle_scene *s, const struct oracle_settings *o, int i, int r,
+                  double *share) {
   const uint64_t seed = oracle_hash(o->seed * 7919 + (uint64_t)r * 104729 + (uint64_t)i);
   for (uint32_t k = 0; k < o->first; k++) {
     double z[5];
@@ -162,8 +158,7 @@ static void shoot(struct oracle_scene *s, const struct oracle_settings *o, int i
   }
 }
 
-void oracle_rays(struct oracle_scene *s, const struct oracle_settings *o)
-{
+void oracle_rays(struct oracle_scene *s, const struct oracle_settings *o) {
   const size_t n = (size_t)s->surfaces;
   double *share = oracle_new(n * o->replicates * n, sizeof *share), value[oracle_replicates];
   for (size_t i = 0; i < n; i++)

@@ -1,6 +1,7 @@
-// Mean irradiance and radiosity of surfaces: paths that begin on the surface. What a few bright faces (the
-// lamps) give is taken in closed form at each point of a path; where a lamp is smaller than the face it shines on,
-// its direct part is integrated over the lamp instead. All else is collected by the rays themselves.
+// Mean irradiance and radiosity of surfaces: paths that begin on the surface. What a few bright
+// faces (the lamps) give is taken in closed form at each point of a path; where a lamp is smaller
+// than the face it shines on, its direct part is integrated over the lamp instead. All else is
+// collected by the rays themselves.
 #include "oracle.h"
 
 #include <math.h>
@@ -19,11 +20,11 @@ struct spectrum {
 };
 // Per replicate: irradiance h, radiosity u, u - h.
 struct means {
-  double h[oracle_replicates][oracle_bands], u[oracle_replicates][oracle_bands], q[oracle_replicates][oracle_bands];
+  double h[oracle_replicates][oracle_bands], u[oracle_replicates][oracle_bands],
+      q[oracle_replicates][oracle_bands];
 };
 
-static double strength(const struct oracle_scene *s, const struct face *f)
-{
+static double strength(const struct oracle_scene *s, const struct face *f) {
   double sum = 0;
   for (int b = 0; b < s->bands; b++)
     sum = fmax(sum, fabs(f->emission[b]));
@@ -31,8 +32,7 @@ static double strength(const struct oracle_scene *s, const struct face *f)
 }
 
 // The brightest faces, as many as asked for.
-static void choose_lamps(struct paths *p)
-{
+static void choose_lamps(struct paths *p) {
   const struct oracle_scene *s = p->s;
   p->lamp = oracle_new((size_t)s->faces, sizeof *p->lamp);
   p->lamp_face = oracle_new((size_t)s->faces, sizeof *p->lamp_face);
@@ -48,13 +48,11 @@ static void choose_lamps(struct paths *p)
   }
 }
 
-static bool lamp_is_outer(const struct oracle_scene *s, int lamp, int face)
-{
+static bool lamp_is_outer(const struct oracle_scene *s, int lamp, int face) {
   return s->face[lamp].area < s->face[face].area;
 }
 
-static void add_lamps(const struct paths *p, int a, struct vec x, bool first, struct spectrum *h)
-{
+static void add_lamps(const struct paths *p, int a, struct vec x, bool first, struct spectrum *h) {
   for (int k = 0; k < p->lamps; k++) {
     const int t = p->lamp_face[k];
     if ((first && lamp_is_outer(p->s, t, a)) || !oracle_facing(p->s, a, t))
@@ -66,8 +64,8 @@ static void add_lamps(const struct paths *p, int a, struct vec x, bool first, st
 }
 
 // Irradiance at x of face a by one path; z begins the path, then come random numbers.
-static struct spectrum follow(const struct paths *p, int a, struct vec x, const double z[3], uint64_t *state)
-{
+static struct spectrum follow(const struct paths *p, int a, struct vec x, const double z[3],
+                              uint64_t *state) {
   const struct oracle_scene *s = p->s;
   struct spectrum h = {{0}}, share;
   for (int b = 0; b < s->bands; b++)
@@ -102,9 +100,8 @@ static struct spectrum follow(const struct paths *p, int a, struct vec x, const 
   }
 }
 
-static void add(const struct oracle_scene *s, struct means *m, int r, const struct face *f, const struct spectrum *h,
-                double weight)
-{
+static void add(const struct oracle_scene *s, struct means *m, int r, const struct face *f,
+                const struct spectrum *h, double weight) {
   for (int b = 0; b < s->bands; b++) {
     m->h[r][b] += weight * h->b[b];
     m->u[r][b] += weight * f->rho[b] * h->b[b];
@@ -112,10 +109,11 @@ static void add(const struct oracle_scene *s, struct means *m, int r, const stru
   }
 }
 
-static void gather(const struct paths *p, int surface, uint32_t first, uint32_t last, struct means *m)
-{
+static void gather(const struct paths *p, int surface, uint32_t first, uint32_t last,
+                   struct means *m) {
   for (int r = 0; r < p->o->replicates; r++) {
-    const uint64_t seed = oracle_hash(p->o->seed * 15485863 + (uint64_t)r * 32452843 + (uint64_t)surface);
+    const uint64_t seed =
+        oracle_hash(p->o->seed * 15485863 + (uint64_t)r * 32452843 + (uint64_t)surface);
     for (uint32_t k = first; k < last; k++) {
       double z[5];
       for (int d = 0; d < 5; d++)
@@ -130,12 +128,12 @@ static void gather(const struct paths *p, int surface, uint32_t first, uint32_t 
 }
 
 // Direct light of the lamps on the larger faces, over points of the lamps.
-static void shine(const struct paths *p, int lamp, uint32_t points, struct means *m)
-{
+static void shine(const struct paths *p, int lamp, uint32_t points, struct means *m) {
   struct oracle_scene *s = p->s;
   const struct face *g = &s->face[lamp];
   for (int r = 0; r < p->o->replicates; r++) {
-    const uint64_t seed = oracle_hash(p->o->seed * 86028121 + (uint64_t)r * 122949823 + (uint64_t)lamp);
+    const uint64_t seed =
+        oracle_hash(p->o->seed * 86028121 + (uint64_t)r * 122949823 + (uint64_t)lamp);
     for (uint32_t k = 0; k < points; k++) {
       const struct vec x = oracle_point(g, oracle_sobol(k, 0, seed), oracle_sobol(k, 1, seed));
       for (int t = 0; t < s->faces; t++) {
@@ -152,8 +150,7 @@ static void shine(const struct paths *p, int lamp, uint32_t points, struct means
   }
 }
 
-static double worst_error(const struct paths *p, const struct means *m, uint32_t points)
-{
+static double worst_error(const struct paths *p, const struct means *m, uint32_t points) {
   double worst = 0, value[oracle_replicates], mean, error;
   for (int b = 0; b < p->s->bands; b++) {
     for (int r = 0; r < p->o->replicates; r++)
@@ -164,8 +161,8 @@ static double worst_error(const struct paths *p, const struct means *m, uint32_t
   return worst / p->largest;
 }
 
-static void print(const struct paths *p, int i, const char *what, double own, double (*value)[oracle_bands], int b)
-{
+static void print(const struct paths *p, int i, const char *what, double own,
+                  double (*value)[oracle_bands], int b) {
   double list[oracle_replicates], mean, error;
   for (int r = 0; r < p->o->replicates; r++)
     list[r] = own + value[r][b];
@@ -173,8 +170,7 @@ static void print(const struct paths *p, int i, const char *what, double own, do
   printf("%s %d %d %.17g %.6g\n", what, i, b, mean, error);
 }
 
-static void report(const struct paths *p, int i, struct means *m)
-{
+static void report(const struct paths *p, int i, struct means *m) {
   const struct oracle_scene *s = p->s;
   for (int b = 0; b < s->bands; b++) {
     double own = 0;
@@ -187,8 +183,7 @@ static void report(const struct paths *p, int i, struct means *m)
   }
 }
 
-void oracle_means(struct oracle_scene *s, const struct oracle_settings *o)
-{
+void oracle_means(struct oracle_scene *s, const struct oracle_settings *o) {
   struct paths p = {.s = s, .o = o};
   struct means *direct = oracle_new((size_t)s->surfaces, sizeof *direct);
   choose_lamps(&p);

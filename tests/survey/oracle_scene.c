@@ -6,8 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-_Noreturn void oracle_die(const char *format, ...)
-{
+_Noreturn void oracle_die(const char *format, ...) {
   va_list list;
   va_start(list, format);
   fputs("oracle: ", stderr);
@@ -17,30 +16,26 @@ _Noreturn void oracle_die(const char *format, ...)
   exit(2);
 }
 
-void *oracle_new(size_t n, size_t size)
-{
+void *oracle_new(size_t n, size_t size) {
   void *p = calloc(n ? n : 1, size);
   if (!p)
     oracle_die("no memory");
   return p;
 }
 
-static double number(FILE *f)
-{
+static double number(FILE *f) {
   double x;
   if (fscanf(f, "%lf", &x) != 1)
     oracle_die("a number is missing");
   return x;
 }
 
-static struct vec point(FILE *f)
-{
+static struct vec point(FILE *f) {
   const double x = number(f), y = number(f), z = number(f);
   return (struct vec){x, y, z};
 }
 
-static void planes(struct face *f)
-{
+static void planes(struct face *f) {
   const struct vec n = cross(sub(f->v[1], f->v[0]), sub(f->v[2], f->v[0]));
   const double twice = sqrt(dot(n, n));
   f->area = .5 * twice;
@@ -57,13 +52,11 @@ static void planes(struct face *f)
 }
 
 // Highest point of face b over the plane of a.
-static double highest(const struct face *a, const struct face *b)
-{
+static double highest(const struct face *a, const struct face *b) {
   return fmax(height(a, b->v[0]), fmax(height(a, b->v[1]), height(a, b->v[2])));
 }
 
-static double farthest(const struct face *a, const struct face *b)
-{
+static double farthest(const struct face *a, const struct face *b) {
   double most = 0;
   for (int k = 0; k < 3; k++)
     most = fmax(most, fabs(height(a, b->v[k])));
@@ -71,13 +64,11 @@ static double farthest(const struct face *a, const struct face *b)
 }
 
 // What lies within rounding of a plane lies in it: the scenes hold no gaps as small as that.
-static double rounding(const struct face *a, const struct face *b)
-{
+static double rounding(const struct face *a, const struct face *b) {
   return 1e-11 * (a->size + b->size) + 1e-13;
 }
 
-static void find_coplanar(struct oracle_scene *s)
-{
+static void find_coplanar(struct oracle_scene *s) {
   const int n = s->faces;
   s->coplanar = oracle_new((size_t)n * n, sizeof *s->coplanar);
   for (int i = 0; i < n; i++)
@@ -87,8 +78,7 @@ static void find_coplanar(struct oracle_scene *s)
     }
 }
 
-struct oracle_scene *oracle_read(const char *path)
-{
+struct oracle_scene *oracle_read(const char *path) {
   FILE *f = fopen(path, "r");
   if (!f)
     oracle_die("cannot read %s", path);
@@ -118,8 +108,7 @@ struct oracle_scene *oracle_read(const char *path)
   return s;
 }
 
-void oracle_free(struct oracle_scene *s)
-{
+void oracle_free(struct oracle_scene *s) {
   for (int i = 0; i < s->faces * s->faces; i++)
     if (s->between[i]) {
       free(s->between[i]->face);
@@ -132,15 +121,13 @@ void oracle_free(struct oracle_scene *s)
   free(s);
 }
 
-bool oracle_facing(const struct oracle_scene *s, int a, int b)
-{
+bool oracle_facing(const struct oracle_scene *s, int a, int b) {
   const struct face *f = &s->face[a], *g = &s->face[b];
   const double eps = rounding(f, g);
   return !s->coplanar[a * s->faces + b] && highest(f, g) > eps && highest(g, f) > eps;
 }
 
-static void widen(const struct face *f, double low[3], double high[3])
-{
+static void widen(const struct face *f, double low[3], double high[3]) {
   for (int k = 0; k < 3; k++) {
     const double v[3] = {f->v[k].x, f->v[k].y, f->v[k].z};
     for (int d = 0; d < 3; d++) {
@@ -150,8 +137,26 @@ static void widen(const struct face *f, double low[3], double high[3])
   }
 }
 
-static bool may_block(const struct oracle_scene *s, int a, int b, int c)
-{
+// Is there a plane through two corners of one face and a corner of the other that has both on one
+// side and c on the other? Then c meets no line between them.
+static bool apart(const struct face *f, const struct face *g, const struct face *c) {
+  for (int i = 0; i < 3; i++)
+    for (int k = 0; k < 3; k++) {
+      const struct vec at = f->v[i], m = cross(sub(f->v[(i + 1) % 3], at), sub(g->v[k], at));
+      const double eps = 1e-10 * sqrt(dot(m, m)) * (f->size + g->size + c->size);
+      for (int sign = -1; sign <= 1; sign += 2) {
+        bool parts = true;
+        for (int l = 0; l < 3 && parts; l++)
+          parts = sign * dot(m, sub(f->v[l], at)) <= eps &&
+                  sign * dot(m, sub(g->v[l], at)) <= eps && sign * dot(m, sub(c->v[l], at)) > eps;
+        if (parts)
+          return true;
+      }
+    }
+  return false;
+}
+
+static bool may_block(const struct oracle_scene *s, int a, int b, int c) {
   const struct face *f = &s->face[a], *g = &s->face[b], *h = &s->face[c];
   const int n = s->faces;
   if (c == a || c == b || s->coplanar[a * n + c] || s->coplanar[b * n + c])
@@ -166,11 +171,10 @@ static bool may_block(const struct oracle_scene *s, int a, int b, int c)
   for (int d = 0; d < 3; d++)
     if (least[d] > high[d] || most[d] < low[d])
       return false;
-  return true;
+  return !apart(f, g, h) && !apart(g, f, h);
 }
 
-const struct blockers *oracle_between(struct oracle_scene *s, int a, int b)
-{
+const struct blockers *oracle_between(struct oracle_scene *s, int a, int b) {
   struct blockers **slot = &s->between[a * s->faces + b];
   if (*slot)
     return *slot;
@@ -183,14 +187,13 @@ const struct blockers *oracle_between(struct oracle_scene *s, int a, int b)
   return list;
 }
 
-static bool inside(const struct face *f, struct vec p)
-{
-  return dot(f->side[0], p) >= f->reach[0] && dot(f->side[1], p) >= f->reach[1] && dot(f->side[2], p) >= f->reach[2];
+static bool inside(const struct face *f, struct vec p) {
+  return dot(f->side[0], p) >= f->reach[0] && dot(f->side[1], p) >= f->reach[1] &&
+         dot(f->side[2], p) >= f->reach[2];
 }
 
 // Of faces back to back at p the one that x is in front of.
-static int front_of(const struct oracle_scene *s, int hit, struct vec x, struct vec p)
-{
+static int front_of(const struct oracle_scene *s, int hit, struct vec x, struct vec p) {
   if (height(&s->face[hit], x) > 0)
     return hit;
   for (int i = 0; i < s->faces; i++)
@@ -199,8 +202,8 @@ static int front_of(const struct oracle_scene *s, int hit, struct vec x, struct 
   return hit;
 }
 
-int oracle_hit(const struct oracle_scene *s, int a, struct vec x, struct vec direction, struct vec *at)
-{
+int oracle_hit(const struct oracle_scene *s, int a, struct vec x, struct vec direction,
+               struct vec *at) {
   double first = INFINITY;
   int hit = -1;
   const bool *coplanar = &s->coplanar[a * s->faces];
