@@ -137,6 +137,25 @@ static void widen(const struct face *f, double low[3], double high[3]) {
   }
 }
 
+// Is there a plane through two corners of one face and a corner of the other that has both on one
+// side and c on the other? Then c meets no line between them.
+static bool apart(const struct face *f, const struct face *g, const struct face *c) {
+  for (int i = 0; i < 3; i++)
+    for (int k = 0; k < 3; k++) {
+      const struct vec at = f->v[i], m = cross(sub(f->v[(i + 1) % 3], at), sub(g->v[k], at));
+      const double eps = 1e-10 * sqrt(dot(m, m)) * (f->size + g->size + c->size);
+      for (int sign = -1; sign <= 1; sign += 2) {
+        bool parts = true;
+        for (int l = 0; l < 3 && parts; l++)
+          parts = sign * dot(m, sub(f->v[l], at)) <= eps &&
+                  sign * dot(m, sub(g->v[l], at)) <= eps && sign * dot(m, sub(c->v[l], at)) > eps;
+        if (parts)
+          return true;
+      }
+    }
+  return false;
+}
+
 static bool may_block(const struct oracle_scene *s, int a, int b, int c) {
   const struct face *f = &s->face[a], *g = &s->face[b], *h = &s->face[c];
   const int n = s->faces;
@@ -152,7 +171,7 @@ static bool may_block(const struct oracle_scene *s, int a, int b, int c) {
   for (int d = 0; d < 3; d++)
     if (least[d] > high[d] || most[d] < low[d])
       return false;
-  return true;
+  return !apart(f, g, h) && !apart(g, f, h);
 }
 
 const struct blockers *oracle_between(struct oracle_scene *s, int a, int b) {
