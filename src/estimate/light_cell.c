@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "base/scramble.h"
 #include "base/vec.h"
 
 struct rad_light_cell rad_light_cell_whole(const struct rad_mesh *mesh, int element) {
@@ -78,6 +79,17 @@ static void set_flux(const struct rad_weights *w, const struct rad_element *e, i
   }
 }
 
+/* One point of a patch; returns dS over dsigma dtau. */
+static double place(const struct rad_element *e, const struct rad_patch *p, const double at[2],
+                    struct rad_senders *s, int q) {
+  double phi = rad_graded(at[0], e->p_phi), r = rad_graded(at[1], e->p_r);
+  double t = rad_angle_t(p->angle, phi);
+  s->base[q] = p->base;
+  rad_patch_mu(p, phi, r, s->mu[q]);
+  return p->a1 * p->b2 * rad_angle_dt(p->angle, t) * e->p_phi * (phi / at[0]) * r * e->p_r *
+         (r / at[1]);
+}
+
 void rad_light_set(const struct rad_weights *w, const struct rad_light_cell *cell, int n,
                    struct rad_light *light) {
   const struct rad_mesh *mesh = w->mesh;
@@ -86,8 +98,7 @@ void rad_light_set(const struct rad_weights *w, const struct rad_light_cell *cel
   const double *weight = rad_gauss_weight(&mesh->gauss, n);
   double sigma[RAD_GAUSS_MAX], tau[RAD_GAUSS_MAX];
   double lp[RAD_GAUSS_MAX][RAD_GAUSS_MAX], lr[RAD_GAUSS_MAX][RAD_GAUSS_MAX];
-  double scale =
-      0.25 * (cell->sigma[1] - cell->sigma[0]) * (cell->tau[1] - cell->tau[0]) * p->a1 * p->b2;
+  double scale = 0.25 * (cell->sigma[1] - cell->sigma[0]) * (cell->tau[1] - cell->tau[0]);
   struct rad_senders *s = &light->senders;
   direction(mesh, e->k_phi, cell->sigma, e->sigma, n, sigma, lp);
   direction(mesh, e->k_r, cell->tau, e->tau, n, tau, lr);
@@ -95,16 +106,65 @@ void rad_light_set(const struct rad_weights *w, const struct rad_light_cell *cel
   s->n = n * n;
   light->area = 0;
   for (int q = 0; q < n * n; q++) {
-    double phi = rad_graded(sigma[q % n], e->p_phi), r = rad_graded(tau[q / n], e->p_r);
-    double t = rad_angle_t(p->angle, phi);
-    s->base[q] = p->base;
-    rad_patch_mu(p, phi, r, s->mu[q]);
-    light->dS[q] = scale * weight[q % n] * weight[q / n] * rad_angle_dt(p->angle, t) * e->p_phi *
-                   (phi / sigma[q % n]) * r * e->p_r * (r / tau[q / n]);
+    const double at[2] = {sigma[q % n], tau[q / n]};
+    light->dS[q] = scale * weight[q % n] * weight[q / n] * place(e, p, at, s, q);
     light->area += light->dS[q];
   }
   rad_senders_finish(mesh->scene, s);
   set_flux(w, e, n, lp, lr, light);
+}
+
+/* w_k at scattered points, times dS. */
+static void scatter_flux(const struct rad_weights *w, const struct rad_element *e,
+                         const double (*at)[2], struct rad_light *light) {
+  const struct rad_mesh *mesh = w->mesh;
+  double c[RAD_MAX_WEIGHT][RAD_GAUSS_MAX * RAD_GAUSS_MAX], lp[RAD_GAUSS_MAX], lr[RAD_GAUSS_MAX];
+  for (int k = 0; k < w->n; k++) {
+    coefficients(e, w->w[k], c[k]);
+    light->most[k] = 0;
+  }
+  for (int q = 0; q < RAD_MAX_SENDER; q++) {
+    double x = (at[q][0] - e->sigma[0]) / (e->sigma[1] - e->sigma[0]);
+    double y = (at[q][1] - e->tau[0]) / (e->tau[1] - e->tau[0]);
+    rad_lagrange(&mesh->nodes, e->k_phi, 2 * x - 1, lp);
+    rad_lagrange(&mesh->nodes, e->k_r, 2 * y - 1, lr);
+    for (int k = 0; k < w->n; k++) {
+      double value = 0;
+      for (int b = 0; b < e->k_r; b++)
+        for (int a = 0; a < e->k_phi; a++)
+          value += c[k][a + e->k_phi * b] * lp[a] * lr[b];
+      light->most[k] = fmax(light->most[k], fabs(value));
+      light->flux[k][q] = value * light->dS[q];
+    }
+  }
+}
+
+/* Steps of the R2 sequence (Roberts 2018): powers of the reciprocal of the root of x^3 = x + 1. */
+static const double r2_step[2] = {0.75487766624669276, 0.56984029099805327};
+
+void rad_light_scatter(const struct rad_weights *w, const struct rad_light_cell *cell, int batch,
+                       struct rad_light *light) {
+  const struct rad_mesh *mesh = w->mesh;
+  const struct rad_element *e = &mesh->element[cell->element];
+  const struct rad_patch *p = &mesh->patch[e->patch];
+  const double low[2] = {cell->sigma[0], cell->tau[0]};
+  const double width[2] = {cell->sigma[1] - low[0], cell->tau[1] - low[1]};
+  double at[RAD_MAX_SENDER][2];
+  light->senders.triangle = p->triangle;
+  light->senders.n = RAD_MAX_SENDER;
+  light->area = 0;
+  for (int q = 0; q < RAD_MAX_SENDER; q++) {
+    uint64_t seed = ((uint64_t)cell->element * RAD_REPLICATES + (uint64_t)(q / RAD_EACH)) * 2;
+    int number = q % RAD_EACH + batch * RAD_EACH;
+    for (uint64_t d = 0; d < 2; d++) {
+      double x = rad_scramble_unit(seed + d) + number * r2_step[d];
+      at[q][d] = low[d] + fmax(x - floor(x), 1e-12) * width[d];
+    }
+    light->dS[q] = width[0] * width[1] / RAD_EACH * place(e, p, at[q], &light->senders, q);
+    light->area += light->dS[q] / RAD_REPLICATES;
+  }
+  rad_senders_finish(mesh->scene, &light->senders);
+  scatter_flux(w, e, (const double(*)[2])at, light);
 }
 
 /* (r, r t) of the patch from barycentric coordinates. */

@@ -54,4 +54,15 @@ int rad_light_triangles(const struct rad_mesh *mesh, int element, double corner[
 void rad_light_set(const struct rad_weights *w, const struct rad_light_cell *cell, int n,
                    struct rad_light *light);
 
+/**
+ * Randomised points, for an error that no feature between them can fool: each of RAD_REPLICATES
+ * replicates is the R2 sequence with a random shift of its own, from the element's number.
+ *
+ * A batch holds the next RAD_EACH points of every replicate, one replicate after another; the flux
+ * of one replicate sums to its estimate of int w dS.
+ */
+enum { RAD_REPLICATES = 16, RAD_EACH = RAD_MAX_SENDER / RAD_REPLICATES };
+void rad_light_scatter(const struct rad_weights *w, const struct rad_light_cell *cell, int batch,
+                       struct rad_light *light);
+
 #endif

@@ -14,7 +14,16 @@
  * whole element mean nothing: F(y -> T) is analytic but at the edges of T. */
 #define NEAR 1.2
 
+/* Standard errors that a stated error has, with Student's t of RAD_REPLICATES in mind. */
+#define SIGMAS 5.5
+
+/* Points that miss their share by less than this are kept: most others use less than theirs, and
+ * the error that is stated is what they found. */
+#define LEFT_TO_CELLS 10
+
 enum {
+  MOST_IN_CELLS = 50000, /* points of an element and a receiver in cells */
+  BATCHES = 8,           /* of scattered points, before cells are cut */
   CHUNKS = 128,   /* of elements, each with its own sums: the same bits for any number of threads */
   LEAST_RULE = 2, /* points per direction where the bound alone is small enough */
   MORE = 2        /* points more per direction of the second rule */
@@ -28,8 +37,8 @@ struct receive {
   struct rad_receivers receivers;
   struct rad_pair_engine engine; /* of pairs that something may stand between */
   const double *tolerance;
-  double *portion;       /* owned [n_element] of the tolerance that an element may use up */
-  double *value, *error; /* owned [CHUNKS, n_receiver, n_weight] */
+  double *portion; /* owned [n_element] of the tolerance that an element may use up */
+  double *value, *error, *variance; /* owned [CHUNKS, n_receiver, n_weight] */
 };
 
 /* Memory of one thread. */
@@ -38,6 +47,8 @@ struct worker {
   struct rad_cell_scratch *cells; /* owned */
   enum rad_code code;             /* the first error, and its text */
   struct rad_error error;
+  struct rad_light scattered[BATCHES];
+  int n_scattered;                       /* batches that are set */
   struct rad_light first, second, third; /* of the cell at hand, by rule */
   int64_t factors;
 };
@@ -46,7 +57,7 @@ struct worker {
 struct receiver {
   int triangle;
   enum rad_sight sight;
-  double *value, *error; /* [n_weight] */
+  double *value, *error, *variance; /* [n_weight] */
 };
 
 /* ---- where F(y -> T) is smooth ----------------------------------------------------------------
@@ -158,6 +169,7 @@ static void by_cells(const struct receive *r, int element, const struct receiver
                                .n_weight = r->w->n,
                                .weight = rad_light_at,
                                .context = &at,
+                               .limit = MOST_IN_CELLS,
                                .tolerance = tolerance};
   for (int k = 0; k < r->w->n; k++)
     tolerance[k] = share / n * r->tolerance[k];
@@ -167,6 +179,71 @@ static void by_cells(const struct receive *r, int element, const struct receiver
     if (!w->code)
       add(r, value, error, to);
   }
+}
+
+/* ---- scattered points ---------------------------------------------------------------------------
+ */
+
+/* Sums of every replicate over one more batch. */
+static void add_batch(const struct receive *r, const struct rad_light *light,
+                      const struct receiver *to, double (*sum)[RAD_REPLICATES], struct worker *w) {
+  double f[RAD_MAX_SENDER];
+  rad_point_factors(&r->receivers, &light->senders, to->triangle, to->sight, f, &w->scratch);
+  w->factors += light->senders.n;
+  for (int k = 0; k < r->w->n; k++)
+    for (int q = 0; q < RAD_MAX_SENDER; q++)
+      sum[k][q / RAD_EACH] += f[q] * light->flux[k][q];
+}
+
+/* Mean of the replicates and its variance, not below that of a feature that n points just miss. */
+static void judge(const double sum[RAD_REPLICATES], int batches, double unshaded, double *value,
+                  double *variance) {
+  double mean = 0, square = 0, n = (double)batches * RAD_MAX_SENDER;
+  for (int i = 0; i < RAD_REPLICATES; i++)
+    mean += sum[i] / batches / RAD_REPLICATES;
+  for (int i = 0; i < RAD_REPLICATES; i++)
+    square += (sum[i] / batches - mean) * (sum[i] / batches - mean);
+  *value = mean;
+  *variance = square / (RAD_REPLICATES * (RAD_REPLICATES - 1.0)) + unshaded * unshaded / (n * n);
+}
+
+/* int |w_k| F dS without shadows. */
+static void unshaded(const struct receive *r, const struct receiver *to, double *most,
+                     struct worker *w) {
+  double f[RAD_MAX_SENDER];
+  rad_point_factors(&r->receivers, &w->third.senders, to->triangle, RAD_FREE, f, &w->scratch);
+  for (int k = 0; k < r->w->n; k++) {
+    most[k] = 0;
+    for (int q = 0; q < w->third.senders.n; q++)
+      most[k] += f[q] * fabs(w->third.flux[k][q]);
+  }
+}
+
+/* Randomised points on the whole element; errors of elements are independent, so that variances add
+ * up. 1 if that was good enough. */
+static int by_points(const struct receive *r, const struct rad_light_cell *cell,
+                     const struct receiver *to, double share, struct worker *w) {
+  double sum[RAD_MAX_WEIGHT][RAD_REPLICATES] = {{0}}, most[RAD_MAX_WEIGHT];
+  double value[RAD_MAX_WEIGHT], variance[RAD_MAX_WEIGHT];
+  unshaded(r, to, most, w);
+  for (int batch = 0; batch < BATCHES; batch++) {
+    double spread[RAD_MAX_WEIGHT];
+    if (batch == w->n_scattered)
+      rad_light_scatter(r->w, cell, w->n_scattered++, &w->scattered[batch]);
+    add_batch(r, &w->scattered[batch], to, sum, w);
+    for (int k = 0; k < r->w->n; k++) {
+      judge(sum[k], batch + 1, most[k], &value[k], &variance[k]);
+      spread[k] = SIGMAS * sqrt(variance[k]);
+    }
+    if (!is_within(r, spread, batch < BATCHES - 1 ? share : LEFT_TO_CELLS * share))
+      continue;
+    for (int k = 0; k < r->w->n; k++) {
+      to->value[k] += value[k];
+      to->variance[k] += variance[k];
+    }
+    return 1;
+  }
+  return 0;
 }
 
 /* Two rules on the whole element, whose lights are set; 1 if that was good enough. */
@@ -232,44 +309,47 @@ static void share_out(struct receive *r, struct rad_light *light, double *sent) 
       r->portion[i] = 0.5 * (r->portion[i] / area + 1.0 / n);
 }
 
-static void send(const struct receive *r, int element, double *value, double *error,
-                 struct worker *w) {
+static void send(const struct receive *r, int chunk, int element, struct worker *w) {
   const struct rad_mesh *mesh = r->w->mesh;
   int n = r->to->n_triangle, from = rad_element_triangle(mesh, element);
   const unsigned char *sees = r->to->visibility->sight + (size_t)from * (size_t)n;
   struct rad_light_cell cell = rad_light_cell_whole(mesh, element);
   set_lights(r, &cell, w);
+  w->n_scattered = 0;
   for (int t = r->first; t < n && !rad_stop_asked(); t++) {
     if (sees[t] == RAD_HIDDEN)
       continue;
-    size_t at = (size_t)(t - r->first) * (size_t)r->w->n;
-    struct receiver to = {t, sees[t], value + at, error + at};
-    double share = r->portion[element] * r->to->triangle[t].area;
-    if (!by_rules(r, &cell, &to, share, w))
-      by_cells(r, element, &to, share, w);
+    size_t at = ((size_t)chunk * (size_t)r->n_receiver + (size_t)(t - r->first)) * (size_t)r->w->n;
+    struct receiver to = {t, sees[t], r->value + at, r->error + at, r->variance + at};
+    double half = 0.5 * r->to->triangle[t].area, portion = r->portion[element];
+    if (by_rules(r, &cell, &to, half * portion, w))
+      continue;
+    if (to.sight != RAD_PARTLY || !by_points(r, &cell, &to, half * sqrt(portion), w))
+      by_cells(r, element, &to, half * portion, w);
   }
 }
 
-static void gather(const struct receive *r, struct rad_received *out) {
+static void gather(struct receive *r, struct rad_received *out) {
   size_t n = (size_t)out->n_triangle * (size_t)out->n_weight;
   for (size_t c = 0; c < CHUNKS; c++)
     for (size_t i = 0; i < n; i++) {
       out->value[i] += r->value[c * n + i];
       out->error[i] += r->error[c * n + i];
+      r->variance[i] += c ? r->variance[c * n + i] : 0;
     }
+  for (size_t i = 0; i < n; i++)
+    out->error[i] += SIGMAS * sqrt(r->variance[i]);
 }
 
 static void run(struct receive *r, struct worker *worker) {
   int n_element = r->w->mesh->n_element;
-  size_t n = (size_t)r->n_receiver * (size_t)r->w->n;
   struct rad_progress *progress = r->w->mesh->scene->progress;
   rad_progress_begin(progress, "elements", n_element);
-#pragma omp parallel for schedule(dynamic) default(none) shared(r, worker, n_element, n, progress)
+#pragma omp parallel for schedule(dynamic) default(none) shared(r, worker, n_element, progress)
   for (int c = 0; c < CHUNKS; c++)
     for (int i = c; i < n_element; i += CHUNKS) {
       if (r->portion[i] > 0 && !rad_stop_asked())
-        send(r, i, r->value + (size_t)c * n, r->error + (size_t)c * n,
-             &worker[omp_get_thread_num()]);
+        send(r, c, i, &worker[omp_get_thread_num()]);
       rad_progress_add(progress, 1);
     }
 }
@@ -284,12 +364,13 @@ static enum rad_code begin(struct receive *r, struct rad_error *e) {
   r->portion = rad_alloc((size_t)r->w->mesh->n_element, sizeof(double));
   r->value = rad_calloc(CHUNKS * n, sizeof(double));
   r->error = rad_calloc(CHUNKS * n, sizeof(double));
-  return r->portion && r->value && r->error
+  r->variance = rad_calloc(CHUNKS * n, sizeof(double));
+  return r->portion && r->value && r->error && r->variance
              ? RAD_OK
              : rad_fail_memory(e, "the means", 16.0 * CHUNKS * (double)n);
 }
 
-static enum rad_code finish(const struct receive *r, int n_thread, struct worker *worker,
+static enum rad_code finish(struct receive *r, int n_thread, struct worker *worker,
                             struct rad_received *out, struct rad_error *e) {
   enum rad_code code = rad_stop_asked() ? rad_fail_stopped(e) : RAD_OK;
   for (int t = 0; t < n_thread && !code; t++) {
@@ -339,6 +420,7 @@ enum rad_code rad_receive(const struct rad_weights *w, const struct rad_scene *t
   free(r.portion);
   free(r.value);
   free(r.error);
+  free(r.variance);
   return code;
 }
 

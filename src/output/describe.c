@@ -217,9 +217,9 @@ static void say_members(FILE *out, hid_t file) {
 }
 
 static void say_all(FILE *out, const char *path, hid_t file, hid_t root) {
-  static const char *const surface[] = {"area",          "mean_radiosity", "mean_irradiance",
-                                        "error_radiosity", "error_irradiance",
-                                        "mean_net_flux", "net_power",      "error_net_power", "temperature"};
+  static const char *const surface[] = {
+      "area",          "mean_radiosity", "mean_irradiance", "error_radiosity", "error_irradiance",
+      "mean_net_flux", "net_power",      "error_net_power", "temperature"};
   static const char *const probe[] = {"position", "radiosity", "irradiance", "net_flux",
                                       "temperature"};
   char *kind = rad_hdf_get_text(root, "kind");

@@ -308,14 +308,29 @@ static void write_balance(struct rad_hdf *h, hid_t root, const struct rad_balanc
   const struct rad_hdf_array column[] = {
       {"emitted", "W", "int E dS", RAD_HDF_REAL, 1, {n}, b->emitted},
       {"absorbed", "W", "int (1 - rho) h dS", RAD_HDF_REAL, 1, {n}, b->absorbed},
-      {"rest", "W", "emitted less absorbed: escaped, and lost on backs", RAD_HDF_REAL, 1, {n},
+      {"rest",
+       "W",
+       "emitted less absorbed: escaped, and lost on backs",
+       RAD_HDF_REAL,
+       1,
+       {n},
        b->rest},
       {"error", "W", "bound of the errors of absorbed and rest", RAD_HDF_REAL, 1, {n}, b->error},
-      {"lost_on_backs", "W", "light that meets backs of faces; nan: not told from what escapes",
-       RAD_HDF_REAL, 1, {n}, b->on_backs},
+      {"lost_on_backs",
+       "W",
+       "light that meets backs of faces; nan: not told from what escapes",
+       RAD_HDF_REAL,
+       1,
+       {n},
+       b->on_backs},
       {"error_on_backs", "W", "of its integration", RAD_HDF_REAL, 1, {n}, b->backs_error},
-      {"imbalance", "W", "int of E + rho h less int of the u that h is made from", RAD_HDF_REAL, 1,
-       {n}, b->imbalance}};
+      {"imbalance",
+       "W",
+       "int of E + rho h less int of the u that h is made from",
+       RAD_HDF_REAL,
+       1,
+       {n},
+       b->imbalance}};
   const hid_t group = rad_hdf_group(h, root, "balance");
   for (size_t k = 0; k < sizeof column / sizeof *column; k++)
     rad_hdf_array(h, group, &column[k]);
@@ -328,10 +343,14 @@ static void set_integers(struct rad_hdf *h, hid_t group, const struct rad_diagno
     const char *name;
     int64_t value;
   } list[] = {
-      {"unknowns", d->unknowns},           {"elements", d->elements},
-      {"iterations", d->iterations},       {"converged", d->converged != 0},
-      {"kernel_values", d->kernel_values}, {"pairs_near", d->pairs_near},
-      {"pairs_far", d->pairs_far},         {"pairs_skipped", d->pairs_skipped},
+      {"unknowns", d->unknowns},
+      {"elements", d->elements},
+      {"iterations", d->iterations},
+      {"converged", d->converged != 0},
+      {"kernel_values", d->kernel_values},
+      {"pairs_near", d->pairs_near},
+      {"pairs_far", d->pairs_far},
+      {"pairs_skipped", d->pairs_skipped},
       {"means_converged", d->means_converged},
   };
   for (size_t k = 0; k < sizeof list / sizeof *list; k++)

@@ -53,7 +53,7 @@ struct rad_result {
   const char *matrix, *solver;   /* what was used: "dense"; "lu", "gmres", "neumann" */
   int threads;
   struct rad_picture picture;
-  const struct rad_means *means; /* borrowed: of the triangles; NULL: not computed */
+  const struct rad_means *means;     /* borrowed: of the triangles; NULL: not computed */
   const struct rad_balance *balance; /* borrowed, or NULL */
   const double *edge_exponent, *vertex_exponent; /* borrowed [n_triangle, 3], or NULL */
   int64_t n_point;                               /* collocation points */
