@@ -4,6 +4,7 @@
 
 #define ZERO 1e-10 /* of the pair's size: lines nearer than this to the border do not cross */
 #define SAME 1e-8  /* of the cell's size: lines that are one */
+#define SIDE 1e-9 /* sines that are none */
 #define NEAR 2.5   /* largest cell over its distance from an edge */
 
 /* What the search for lines works with. */
@@ -21,7 +22,7 @@ static const double *corner_of(const struct rad_pair *p, const struct rad_occlud
 
 /* ---- silhouettes ---- */
 
-/* Side of the plane through y and the edge on which the polygon with that edge lies. */
+/* Sine of the angle at the edge between a polygon with that edge and the plane through y and it. */
 static double polygon_side(const struct rad_pair *p, const double y[3], const double a[3],
                            const double b[3], int side) {
   const double *inward = p->g->visibility->occluders.inward[side];
@@ -29,7 +30,26 @@ static double polygon_side(const struct rad_pair *p, const double y[3], const do
   rad_sub(a, y, ya);
   rad_sub(b, y, yb);
   rad_cross(ya, yb, normal);
-  return rad_dot(normal, inward);
+  double length = rad_norm(normal);
+  return length > 0 ? rad_dot(normal, inward) / length : 0;
+}
+
+/* True if the polygons of two twins lie on opposite sides of the edge as seen from all of the cell:
+ * by far from its middle, and not on the same side, but for rounding, from a corner. */
+static int opposite(const struct rad_pair *p, const struct rad_flat *cell, const double *a,
+                    const double *b, int side, int other) {
+  double middle[3];
+  for (int d = 0; d < 3; d++)
+    middle[d] = (cell->corner[0][d] + cell->corner[1][d] + cell->corner[2][d]) / 3;
+  if (!(polygon_side(p, middle, a, b, side) * polygon_side(p, middle, a, b, other) < -SIDE))
+    return 0;
+  for (int m = 0; m < 3; m++) {
+    double one = polygon_side(p, cell->corner[m], a, b, side);
+    double two = polygon_side(p, cell->corner[m], a, b, other);
+    if (one * two > 0 && fabs(one) > SIDE && fabs(two) > SIDE)
+      return 0;
+  }
+  return 1;
 }
 
 /* True if another polygon goes on beyond a side wherever in the cell one looks from, or has the
@@ -37,16 +57,7 @@ static double polygon_side(const struct rad_pair *p, const double y[3], const do
 static int goes_on(const struct rad_pair *p, const struct rad_flat *cell, int side, const double *a,
                    const double *b, const int *mark, int now) {
   for (int other = p->g->twin[side]; other >= 0 && other != side; other = p->g->twin[other]) {
-    int opposite = 0, same = 0;
-    if (mark[p->g->owner[other]] != now)
-      return 1;
-    for (int m = 0; m < 3; m++) {
-      double product = polygon_side(p, cell->corner[m], a, b, side) *
-                       polygon_side(p, cell->corner[m], a, b, other);
-      opposite |= product < 0;
-      same |= product > 0;
-    }
-    if (opposite && !same)
+    if (mark[p->g->owner[other]] != now || opposite(p, cell, a, b, side, other))
       return 1;
   }
   return 0;

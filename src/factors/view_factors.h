@@ -32,7 +32,7 @@ struct rad_view_factors {
  *
  * @param[in]  tolerance  absolute
  * @param[in]  limit      most points in all, or 0: 3e8; each partly visible pair has an equal part
- *                        of it, at least 3000, at most 20000
+ *                        of it, at least 10000, at most 50000
  * @param[out] f          to be freed with rad_view_factors_free, also after an error
  * @return RAD_OK also when the tolerance was not met: f->converged is 0 and f->reason says why;
  *         RAD_ENUMERIC if the two directions of a pair differ by more than their errors. A smaller
