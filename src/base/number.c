@@ -74,3 +74,11 @@ bool rad_number_parse(const char *text, size_t n, double *value) {
   *value = *text == '-' ? -x : x;
   return true;
 }
+
+int rad_whole_parse(const char **text) {
+  enum { MOST = 9 };
+  uint64_t value = 0;
+  int n = 0;
+  *text = read_digits(*text, *text + strlen(*text), &value, &n);
+  return n > 0 && n <= MOST ? (int)value : -1;
+}

@@ -16,4 +16,8 @@
  */
 bool rad_number_parse(const char *text, size_t n, double *value);
 
+/* The whole number of at most nine digits at *text, which moves behind it; -1 if there is none, or
+ * one of more digits. No sign, no blanks. */
+int rad_whole_parse(const char **text);
+
 #endif
