@@ -6,6 +6,8 @@ The seed of random choices is printed; POLYRAD_TEST_SEED sets it.
 import itertools
 import os
 import random
+import re
+import shutil
 import subprocess
 import sys
 import time
@@ -307,6 +309,82 @@ class EveryWriteIsChecked(Files):
             self.assertEqual(p.returncode, 3 if to.startswith((">", "<")) else 0, to)
             self.assertIn("polyrad result", self.done("info", "closed.h5").stdout)  # checksums agree
             self.assertEqual(self.read("closed.h5")[:8], b"\x89HDF\r\n\x1a\n")
+
+
+class Damaged(Files):
+    """A file that lost a bit is refused, or it was a bit that holds nothing; never another number."""
+
+    def setUp(self):
+        super().setUp()
+        for task in (1, 2):
+            self.done("study", "deck.yml", "--task", "%d/2" % task, "-o", "task%d.h5" % task, "--quiet")
+        self.done("study", "--collect", "task1.h5", "task2.h5", "-o", "table.h5", "--quiet")
+        self.rng = random.Random(SEED)
+
+    def flips(self, name, n):
+        """The file with one bit changed, n times; put back at the end."""
+        whole = self.read(name)
+        for _ in range(n):
+            at, bit = self.rng.randrange(len(whole)), self.rng.randrange(8)
+            changed = bytearray(whole)
+            changed[at] ^= 1 << bit
+            self.write(name, bytes(changed))
+            with self.subTest(seed=SEED, name=name, at=at, bit=bit):
+                yield
+        self.write(name, whole)
+
+    def look(self, name, n, *words):
+        told, found = self.done(*words).stdout, 0
+        for _ in self.flips(name, n):
+            p = self.call(*words)
+            self.assertIn(p.returncode, (0, 3), p.stderr)
+            if p.returncode == 0:
+                self.assertEqual((p.stdout, p.stderr), (told, ""))
+            else:
+                self.assertRegex(p.stderr, r"\A[^\n]*%s[^\n]*\n\Z" % name)
+                self.assertEqual(p.stdout, "")
+                found += "damaged" in p.stderr
+        self.assertGreater(found, n // 2)
+
+    def test_info(self):
+        print("seed %d" % SEED, file=sys.__stderr__)
+        for name in ("task1.h5", "table.h5"):
+            self.look(name, 40, "info", name)
+
+    def test_collect(self):
+        self.look("task1.h5", 40, "study", "--collect", "task1.h5", "task2.h5", "-o", "again.h5")
+
+    def test_a_value(self):
+        """The solution of a run: before, one wrong byte made it a run that has none."""
+        whole = self.read("task1.h5")
+        if not shutil.which("h5dump"):
+            self.skipTest("h5dump is not installed")
+        for dataset in ("/polyrad/task/value", "/polyrad/task/area"):
+            text = subprocess.run(["h5dump", "-p", "-H", "-d", dataset, self.path("task1.h5")], text=True, check=True,
+                                  stdout=subprocess.PIPE).stdout
+            at = re.search(r"OFFSET (\d+)", text)
+            # or in what is compressed last
+            place = int(at[1]) + 5 if at else max(m.start() for m in re.finditer(b"x[\x5e\x9c]", whole)) + 40
+            changed = bytearray(whole)
+            changed[place] ^= 16
+            self.write("task1.h5", bytes(changed))
+            for words in (["info", "task1.h5"], ["study", "--collect", "task1.h5", "task2.h5", "-o", "c.h5"]):
+                text = self.refused(3, *words)
+                self.assertRegex(text, r"task1.h5 is damaged: dataset /\S+ is not as it was written; make it again\n")
+                self.assertNotIn("c.h5", self.files())
+            self.write("task1.h5", whole)
+        self.done("study", "--collect", "task1.h5", "task2.h5", "-o", "c.h5", "--quiet")
+
+    def test_repacked(self):
+        """Another layout, the same contents."""
+        if not shutil.which("h5repack"):
+            self.skipTest("h5repack is not installed")
+        told = self.done("info", "task1.h5").stdout
+        for k, options in enumerate((["-f", "NONE"], ["-L"])):
+            name = "packed%d.h5" % k
+            subprocess.run(["h5repack", *options, self.path("task1.h5"), self.path(name)], check=True)
+            self.assertNotEqual(self.read("task1.h5"), self.read(name))
+            self.assertEqual(self.done("info", name).stdout.replace(name, "task1.h5"), told)
 
 
 class Numbers(Files):
