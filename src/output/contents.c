@@ -251,6 +251,23 @@ static bool is_as_written(hid_t root, const char *line) {
   return done && sum == expected;
 }
 
+/* Whether a group still knows the order of its members, if it ever did: that of a table's columns.
+ */
+static bool is_in_order(hid_t root, const char *name) {
+  const hid_t group = H5Gopen2(root, name, H5P_DEFAULT);
+  const hid_t how = group < 0 ? group : H5Gget_create_plist(group);
+  unsigned order = 0;
+  H5G_info_t is;
+  bool good =
+      how >= 0 && H5Pget_link_creation_order(how, &order) >= 0 && H5Gget_info(group, &is) >= 0;
+  for (hsize_t k = 0; good && order & H5P_CRT_ORDER_INDEXED && k < is.nlinks; k++)
+    good = H5Lget_name_by_idx(group, ".", H5_INDEX_CRT_ORDER, H5_ITER_INC, k, NULL, 0,
+                              H5P_DEFAULT) >= 0;
+  H5Pclose(how);
+  H5Gclose(group);
+  return good;
+}
+
 static enum rad_code fail(const char *path, const char *name, struct rad_error *e) {
   return rad_fail(e, RAD_ESYSTEM,
                   "%.400s is damaged: %.300s is not as it was written; make it again", path, name);
@@ -272,6 +289,8 @@ enum rad_code rad_contents_check(const char *path, hid_t root, struct rad_error 
   for (int i = 0; i < n && !code; i++)
     if (!is_as_written(root, line[i]))
       code = fail(path, line[i] + strcspn(line[i], " ") + 1, e);
+  if (!code && H5Lexists(root, "study", H5P_DEFAULT) > 0 && !is_in_order(root, "study"))
+    code = fail(path, "the order of columns in /polyrad/study", e);
   rad_hdf_texts_free(line, n);
   free(about);
   free(sum);
