@@ -4,8 +4,8 @@
 #include <sys/stat.h>
 
 #include "app/checkpoint.h"
+#include "app/files.h"
 #include "base/text.h"
-#include "output/save.h"
 #include "output/stamp.h"
 
 enum rad_code rad_refuse_parts(const struct rad_case *c, struct rad_error *e) {
@@ -37,20 +37,16 @@ static void say(const struct rad_case *c, const struct rad_command *command, con
 }
 
 /* A case that is prepared: its part, and the file. */
-static enum rad_code assemble(struct rad_case *c, const struct rad_command *command, double started,
-                              struct rad_error *e) {
+static enum rad_code assemble(struct rad_case *c, const struct rad_command *command,
+                              const char *path, double started, struct rad_error *e) {
   if (c->is_adaptive)
     return rad_refuse_parts(c, e);
   const struct rad_part_number part = {command->part, command->n_part};
-  char *path = name_file(c, command);
-  enum rad_code code = path ? rad_save_try(path, e) : rad_fail_memory(e, "the name of a file", 0);
   rad_progress_phase(c->scene.progress, "matrix");
-  if (!code)
-    code = rad_case_write_part(c, part, path, command->line, started, e);
+  enum rad_code code = rad_case_write_part(c, part, path, command->line, started, e);
   rad_progress_clear(c->scene.progress);
   if (!code)
     say(c, command, path);
-  free(path);
   return code;
 }
 
@@ -61,13 +57,19 @@ enum rad_code rad_app_assemble(const struct rad_command *command, struct rad_err
   struct rad_progress line, *progress = command->quiet ? NULL : &line;
   double started = rad_stamp_now();
   rad_progress_init(&line, command->log);
-  enum rad_code code =
-      rad_case_prepare(command->deck, command->n_set, command->set, progress, &c, e);
+  enum rad_code code = rad_case_read(command->deck, command->n_set, command->set, progress, &c, e);
+  char *path = code ? NULL : name_file(&c, command);
+  if (!code)
+    code = path ? rad_files_check(command, &c.deck, path, e)
+                : rad_fail_memory(e, "the name of a file", 0);
+  if (!code)
+    code = rad_case_build(progress, &c, e);
   rad_progress_clear(progress);
   for (int i = 0; i < c.notes.n; i++)
     fprintf(command->log, "%s\n", c.notes.text[i]);
   if (!code)
-    code = assemble(&c, command, started, e);
+    code = assemble(&c, command, path, started, e);
+  free(path);
   rad_case_free(&c);
   return code;
 }

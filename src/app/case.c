@@ -121,15 +121,28 @@ enum rad_code rad_case_keep_form(struct rad_case *c, enum rad_matrix form, struc
   return form == RAD_MATRIX_DENSE ? refuse_too_large(c, e) : choose_matrix(c, e);
 }
 
-enum rad_code rad_case_prepare(const char *deck, int n_set, const char *const *set,
-                               struct rad_progress *progress, struct rad_case *c,
-                               struct rad_error *e) {
+enum rad_code rad_case_read(const char *deck, int n_set, const char *const *set,
+                            struct rad_progress *progress, struct rad_case *c,
+                            struct rad_error *e) {
   *c = (struct rad_case){.n_set = n_set, .set = set};
   double start = rad_seconds();
   rad_progress_phase(progress, "scene");
   enum rad_code code = rad_deck_read(deck, n_set, set, &c->deck, e);
-  if (!code)
-    code = refuse_unavailable(c, e);
+  c->seconds_scene = rad_seconds() - start;
+  return code;
+}
+
+enum rad_code rad_case_prepare(const char *deck, int n_set, const char *const *set,
+                               struct rad_progress *progress, struct rad_case *c,
+                               struct rad_error *e) {
+  enum rad_code code = rad_case_read(deck, n_set, set, progress, c, e);
+  return code ? code : rad_case_build(progress, c, e);
+}
+
+enum rad_code rad_case_build(struct rad_progress *progress, struct rad_case *c,
+                             struct rad_error *e) {
+  double start = rad_seconds();
+  enum rad_code code = refuse_unavailable(c, e);
   if (!code)
     code = rad_scene_build(&c->deck, &c->scene, &c->notes, e);
   if (!code)
@@ -140,7 +153,7 @@ enum rad_code rad_case_prepare(const char *deck, int n_set, const char *const *s
     code = rad_visibility_build(&c->scene, &c->visibility, e);
   if (!code)
     code = rad_check_isolated(&c->scene, c->deck.path, &c->notes, e);
-  c->seconds_scene = rad_seconds() - start;
+  c->seconds_scene += rad_seconds() - start;
   if (code)
     return code;
   choose_mode(c);

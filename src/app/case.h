@@ -52,8 +52,16 @@ struct rad_case {
   double seconds_levels; /* adaptive levels before the last; the other times are of the last one */
 };
 
-/* deck -> scene -> visibility -> plan -> mesh; refuses what does not fit into memory before
- * anything large is made. progress: of this and all later steps, or NULL. */
+/* Only the deck. progress: of this and all later steps, or NULL. */
+enum rad_code rad_case_read(const char *deck, int n_set, const char *const *set,
+                            struct rad_progress *progress, struct rad_case *c, struct rad_error *e);
+
+/* A deck that was read -> scene -> visibility -> plan -> mesh; refuses what does not fit into
+ * memory before anything large is made. */
+enum rad_code rad_case_build(struct rad_progress *progress, struct rad_case *c,
+                             struct rad_error *e);
+
+/* Both, one after the other. */
 enum rad_code rad_case_prepare(const char *deck, int n_set, const char *const *set,
                                struct rad_progress *progress, struct rad_case *c,
                                struct rad_error *e);

@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/place.h"
 #include "base/stop.h"
 #include "output/checkpoint.h"
 #include "output/part_file.h"
@@ -118,7 +119,7 @@ enum rad_code rad_case_stage(struct rad_case *c, struct rad_stage *stage, struct
 const char *rad_restart_find(const struct rad_command *command) {
   const char *path = command->restart;
   if (!path || access(path, F_OK) == 0 || !command->checkpoint ||
-      strcmp(path, command->checkpoint) != 0)
+      !rad_is_same_file(path, command->checkpoint))
     return path;
   fprintf(command->log, "%s does not exist yet: the run starts from the beginning\n", path);
   return NULL;
@@ -144,7 +145,7 @@ enum rad_code rad_case_keep(struct rad_case *c, const struct rad_command *comman
   *is_old = old && access(old, F_OK) == 0 && !is_ahead(c);
   if (!*is_old)
     return rad_case_save(c, path, command->line, started, e);
-  return strcmp(old, path) ? rad_save_by(path, copy_file, (void *)old, e) : RAD_OK;
+  return rad_is_same_file(old, path) ? RAD_OK : rad_save_by(path, copy_file, (void *)old, e);
 }
 
 enum rad_code rad_case_stopped(struct rad_case *c, const struct rad_command *command,
@@ -162,7 +163,7 @@ enum rad_code rad_case_stopped(struct rad_case *c, const struct rad_command *com
         "stopped by %s before the deck was read; nothing is written: to begin, give the "
         "same command again",
         rad_stop_name());
-  int is_old, again = command->restart && !strcmp(path, command->restart);
+  int is_old, again = command->restart && rad_is_same_file(path, command->restart);
   enum rad_code code = rad_case_keep(c, command, started, &is_old, e);
   if (code)
     return code;

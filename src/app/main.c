@@ -6,8 +6,10 @@
 #include <string.h>
 
 #include "app/command.h"
+#include "base/number.h"
 #include "base/provenance.h"
 #include "base/stop.h"
+#include "base/streams.h"
 
 static const char usage[] =
     "polyrad: diffuse radiosity of scenes made of plane triangles\n"
@@ -73,20 +75,22 @@ static int is_option(const char *word, const char *name) {
 }
 
 static enum rad_code parse_threads(const char *text, int *threads, struct rad_error *e) {
-  char *end = NULL;
-  long n = text ? strtol(text, &end, 10) : 0;
+  const char *end = text;
+  int n = text ? rad_whole_parse(&end) : 0;
   if (!text || *end || n < 1 || n > 4096)
     return rad_fail(e, RAD_EINPUT, "error: --threads needs a whole number from 1 to 4096, got '%s'",
                     text ? text : "nothing");
-  *threads = (int)n;
+  *threads = n;
   return RAD_OK;
 }
 
 /* I/N, as in --task 2/5. */
 static enum rad_code parse_share(const char *text, const char *option, int *i, int *n,
                                  struct rad_error *e) {
-  char rest;
-  if (!text || sscanf(text, "%d/%d%c", i, n, &rest) != 2 || *i < 1 || *i > *n)
+  const char *end = text;
+  *i = text ? rad_whole_parse(&end) : -1;
+  *n = text && *end++ == '/' ? rad_whole_parse(&end) : -1;
+  if (*i < 1 || *i > *n || *end)
     return rad_fail(e, RAD_EINPUT, "error: %s needs I/N, for example 2/5, got '%s'", option,
                     text ? text : "nothing");
   return RAD_OK;
@@ -230,9 +234,20 @@ static const struct verb *find_verb(const char *word) {
   return NULL;
 }
 
+/* The exit code, once all that was printed is where it was to go. */
+static int finish(int code) {
+  struct rad_error e;
+  if (rad_streams_end(&e) && code == RAD_OK) {
+    fprintf(stderr, "%s\n", e.text);
+    return RAD_ESYSTEM;
+  }
+  return code;
+}
+
 int main(int argc, char **argv) {
   rad_stop_on_signals(); /* before all else: no signal is to find a run that is not ready for it */
   struct rad_error e = {0};
+  rad_streams_begin();
 #ifdef SIGXFSZ
   signal(SIGXFSZ, SIG_IGN); /* a file size limit is then an error of write, and told as one */
 #endif
@@ -241,23 +256,19 @@ int main(int argc, char **argv) {
   if (!verb || !verb->writes)
     rad_stop_release();
   if (!strcmp(word, "--version"))
-    return print_version();
+    return finish(print_version());
   if (!strcmp(word, "--help") || !strcmp(word, "-h")) {
     fputs(usage, argc > 1 ? stdout : stderr);
-    return argc > 1 ? RAD_OK : RAD_EINPUT;
+    return finish(argc > 1 ? RAD_OK : RAD_EINPUT);
   }
   if (!verb) {
     fprintf(stderr, "error: unknown command '%s'; polyrad --help lists them\n", word);
-    return RAD_EINPUT;
+    return finish(RAD_EINPUT);
   }
   enum rad_code code = run_verb(verb, argc, argv, &e);
   if (code)
     fprintf(stderr, "%s\n", e.text);
   if (code == RAD_ESTOPPED)
     rad_stop_die();
-  if (fflush(stdout) && !code) {
-    fprintf(stderr, "error: the summary could not be written to standard output\n");
-    return RAD_ESYSTEM;
-  }
-  return code;
+  return finish(code);
 }

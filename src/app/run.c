@@ -2,40 +2,17 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "app/case.h"
 #include "app/checkpoint.h"
 #include "app/command.h"
+#include "app/files.h"
 #include "app/study.h"
 #include "app/summary.h"
-#include "output/save.h"
 #include "output/stamp.h"
 
-static int is_same_file(const char *a, const char *b) {
-  struct stat x, y;
-  return !strcmp(a, b) || (!stat(a, &x) && !stat(b, &y) && x.st_ino == y.st_ino &&
-                           x.st_dev == y.st_dev && S_ISREG(x.st_mode));
-}
-
-/* Writing over the deck would lose it: so far the run is RAD_OK, or was stopped and may write a
- * checkpoint. */
-static enum rad_code refuse_overwrite(const struct rad_case *c, const struct rad_command *command,
-                                      enum rad_code so_far, struct rad_error *e) {
-  const char *path = command->output ? command->output : c->deck.output.file;
-  if (!rad_case_is_read(c))
-    return so_far;
-  if (is_same_file(c->deck.path, path))
-    return rad_fail(e, RAD_EINPUT,
-                    "%s: error: the result would overwrite the deck; give another file by -o",
-                    c->deck.path);
-  if (command->checkpoint &&
-      (is_same_file(c->deck.path, command->checkpoint) || is_same_file(path, command->checkpoint)))
-    return rad_fail(e, RAD_EINPUT,
-                    "error: the checkpoint would overwrite the deck or the result; give another "
-                    "file by --checkpoint");
-  enum rad_code code = command->checkpoint ? rad_save_try(command->checkpoint, e) : RAD_OK;
-  return code ? code : so_far;
+static const char *output_path(const struct rad_case *c, const struct rad_command *command) {
+  return command->output ? command->output : c->deck.output.file;
 }
 
 static void warn(const struct rad_case *c, FILE *log) {
@@ -58,7 +35,7 @@ static void warn_view_factors(const struct rad_case *c, const struct rad_view_fa
 /* Picture, means and file of a case that has a solution, converged or not. */
 static enum rad_code output(const struct rad_case *c, const struct rad_command *command,
                             double started, struct rad_error *e) {
-  const char *path = command->output ? command->output : c->deck.output.file;
+  const char *path = output_path(c, command);
   struct rad_result result = {0};
   enum rad_code code = rad_case_result(c, command->line, &result, e);
   result.task = command->within ? &command->within->task : NULL;
@@ -103,12 +80,15 @@ enum rad_code rad_app_run(const struct rad_command *command, struct rad_error *e
   double started = rad_stamp_now();
   const char *restart = rad_restart_find(command);
   rad_progress_init(&line, command->log);
-  enum rad_code code =
-      rad_case_prepare(command->deck, command->n_set, command->set, progress, &c, e);
+  enum rad_code code = rad_case_read(command->deck, command->n_set, command->set, progress, &c, e);
+  if (!code || (code == RAD_ESTOPPED && rad_case_is_read(&c))) {
+    enum rad_code wrong = rad_files_check(command, &c.deck, output_path(&c, command), e);
+    code = wrong ? wrong : code;
+  }
+  if (!code)
+    code = rad_case_build(progress, &c, e);
   rad_progress_clear(progress);
   rad_print_notes(&c, command->log);
-  if (!code || code == RAD_ESTOPPED)
-    code = refuse_overwrite(&c, command, code, e);
   if (!code && restart)
     code = rad_case_restart(&c, restart, e);
   else if (!code && command->joins)

@@ -3,6 +3,7 @@
 #include <omp.h>
 #include <stdlib.h>
 
+#include "app/files.h"
 #include "app/study.h"
 #include "base/clock.h"
 #include "base/memory.h"
@@ -203,6 +204,8 @@ static enum rad_code whole(const struct rad_study_plan *p, struct rad_error *e) 
     code = rad_fail_memory(e, "the study", (double)(n_run * sizeof *t.row));
   for (size_t k = 0; k < n_key && !code; k++)
     key[k] = p->deck.study.vary[k].key;
+  if (!code)
+    code = rad_files_check(p->command, &p->deck, p->command->output ? p->command->output : file, e);
   if (!code)
     code = run_all(p, &t, set, e);
   if (!code)

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "app/files.h"
 #include "app/study.h"
 #include "base/memory.h"
 
@@ -124,11 +125,14 @@ static enum rad_code tabulate(const struct collection *c, struct rad_error *e) {
 
 enum rad_code rad_study_collect(const struct rad_command *command, struct rad_error *e) {
   struct collection c = {.command = command};
-  enum rad_code code = RAD_OK;
+  enum rad_code code =
+      command->output ? rad_files_check(command, NULL, command->output, e) : RAD_OK;
   for (int k = 0; k < command->n_file && !code; k++)
     code = add(&c, command->file[k], e);
   if (!code)
     code = refuse_missing(&c, e);
+  if (!code && !command->output)
+    code = rad_files_check(command, NULL, c.like->table, e);
   if (!code)
     code = tabulate(&c, e);
   for (int i = 0; i < c.n && c.task; i++)

@@ -101,3 +101,11 @@ void rad_number_with_error(double value, double error, char *text, size_t size) 
   int digits = (int)fmin(fmax(floor(log10(most)) - last, 0), MOST_DIGITS);
   snprintf(text, size, "%.*e +- %.1e", digits, value, shown);
 }
+
+int rad_whole_parse(const char **text) {
+  enum { MOST = 9 };
+  uint64_t value = 0;
+  int n = 0;
+  *text = read_digits(*text, *text + strlen(*text), &value, &n);
+  return n > 0 && n <= MOST ? (int)value : -1;
+}

@@ -24,4 +24,8 @@ bool rad_number_parse(const char *text, size_t n, double *value);
  */
 void rad_number_with_error(double value, double error, char *text, size_t size);
 
+/* The whole number of at most nine digits at *text, which moves behind it; -1 if there is none, or
+ * one of more digits. No sign, no blanks. */
+int rad_whole_parse(const char **text);
+
 #endif

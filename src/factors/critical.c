@@ -4,7 +4,7 @@
 
 #define ZERO 1e-10 /* of the pair's size: lines nearer than this to the border do not cross */
 #define SAME 1e-8  /* of the cell's size: lines that are one */
-#define SIDE 1e-9 /* sines that are none */
+#define SIDE 1e-9  /* sines that are none */
 #define NEAR 2.5   /* largest cell over its distance from an edge */
 
 /* What the search for lines works with. */

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "output/contents.h"
 #include "output/save.h"
 
 enum { GROWTH = 1 << 22, COMPRESS_FROM = 1 << 14, CHUNK = 1 << 18, DEFLATE = 4 }; /* bytes, level */
@@ -103,6 +104,7 @@ static const void *image(struct rad_hdf *h, size_t *size) {
 
 enum rad_code rad_hdf_end(struct rad_hdf *h, const char *path, struct rad_error *e) {
   size_t size = 0;
+  rad_contents_write(h);
   const void *bytes = image(h, &size);
   enum rad_code code = RAD_OK;
   if (h->failed)
@@ -194,6 +196,7 @@ static void set(struct rad_hdf *h, hid_t object, const char *name, hid_t memory,
     rad_hdf_check(h, H5Aclose(attribute), name);
   if (space >= 0)
     H5Sclose(space);
+  rad_contents_attribute(h, object, name, memory, n, data);
 }
 
 void rad_hdf_set_texts(struct rad_hdf *h, hid_t object, const char *name, size_t n,
@@ -292,6 +295,7 @@ static void put(struct rad_hdf *h, hid_t parent, const struct rad_hdf_array *a, 
     rad_hdf_check(h, H5Dwrite(dataset, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, a->data), a->name);
   rad_hdf_set_text(h, dataset, "unit", a->unit);
   rad_hdf_set_text(h, dataset, "description", a->description);
+  rad_contents_dataset(h, parent, a, memory);
   if (dataset >= 0)
     rad_hdf_check(h, H5Dclose(dataset), a->name);
   if (space >= 0)

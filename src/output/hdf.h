@@ -52,6 +52,8 @@ struct rad_hdf {
   int memory; /* of a large file: descriptor of its small parts; else -1 */
   size_t n_piece, room;
   struct rad_hdf_piece *piece; /* owned */
+  size_t n_content, content_room;
+  char **content; /* owned [n_content] checksums of what was written (output/contents.h) */
   bool failed;
   char cause[320]; /* when failed */
   struct rad_hdf_silence silence;

@@ -27,6 +27,8 @@ static const char *remedy(int cause) {
     return "raise the limit on file sizes (ulimit -f), or lower output.sampling";
   case EISDIR:
     return "name a file, not a folder";
+  case ENAMETOOLONG:
+    return "give a shorter one: .PID.tmp is added to it while it is written";
   default:
     return "name another file, or look into the disk's state";
   }
@@ -112,12 +114,18 @@ static void sync_folder(const char *path) {
   free(copy);
 }
 
-static int save_and_rename(const char *path, rad_save_filler *fill, void *context) {
+char *rad_save_temporary(const char *path) {
   const size_t room = strlen(path) + 32;
   char *temporary = malloc(room);
+  if (temporary)
+    snprintf(temporary, room, "%s.%ld.tmp", path, (long)getpid());
+  return temporary;
+}
+
+static int save_and_rename(const char *path, rad_save_filler *fill, void *context) {
+  char *temporary = rad_save_temporary(path);
   if (!temporary)
     return ENOMEM;
-  snprintf(temporary, room, "%s.%ld.tmp", path, (long)getpid());
   const int fd = open_new(temporary);
   int cause = fd < 0 ? errno : fill_and_close(fd, fill, context);
   if (!cause && rename(temporary, path) != 0)
@@ -140,33 +148,56 @@ enum rad_code rad_save(const char *path, const void *bytes, size_t size, struct 
   return rad_save_by(path, fill_block, &b, e);
 }
 
+/* Things that cannot be replaced: devices, pipes, and the links of the system to open files. */
+static int is_device(const char *path, const struct stat *is) {
+  struct stat link;
+  const int of_system = !strncmp(path, "/dev/", 5) || !strncmp(path, "/proc/", 6);
+  return !S_ISREG(is->st_mode) || (of_system && !lstat(path, &link) && S_ISLNK(link.st_mode));
+}
+
+/* Write to whatever there is at path. */
+static int save_anywhere(const char *path, rad_save_filler *fill, void *context) {
+  struct stat is;
+  if (stat(path, &is) != 0)
+    return save_and_rename(path, fill, context);
+  if (S_ISDIR(is.st_mode))
+    return EISDIR;
+  if (is_device(path, &is))
+    return save_to_device(path, fill, context);
+  if (faccessat(AT_FDCWD, path, W_OK, AT_EACCESS) != 0)
+    return errno;
+  return save_and_rename(path, fill, context);
+}
+
 enum rad_code rad_save_by(const char *path, rad_save_filler *fill, void *context,
                           struct rad_error *e) {
-  struct stat is;
-  int cause = 0;
-  if (stat(path, &is) != 0)
-    cause = save_and_rename(path, fill, context);
-  else if (S_ISDIR(is.st_mode))
-    cause = EISDIR;
-  else if (!S_ISREG(is.st_mode))
-    cause = save_to_device(path, fill, context);
-  else if (faccessat(AT_FDCWD, path, W_OK, AT_EACCESS) != 0)
-    cause = errno;
-  else
-    cause = save_and_rename(path, fill, context);
+  const int cause = save_anywhere(path, fill, context);
   return cause ? fail(path, cause, e) : RAD_OK;
 }
 
-enum rad_code rad_save_try(const char *path, struct rad_error *e) {
+/* An empty file of the temporary name, made and removed: folder, rights and length of the name. */
+static int try_new(const char *path) {
+  char *temporary = rad_save_temporary(path);
+  const int fd = temporary ? open_new(temporary) : -1, cause = fd < 0 ? errno : 0;
+  if (fd >= 0) {
+    close(fd);
+    unlink(temporary);
+  }
+  free(temporary);
+  return cause;
+}
+
+static int try_anywhere(const char *path) {
   struct stat is;
-  int cause = 0;
-  char *copy = strdup(path);
-  if (stat(path, &is) == 0 && S_ISDIR(is.st_mode))
-    cause = EISDIR;
-  else if (stat(path, &is) == 0 && faccessat(AT_FDCWD, path, W_OK, AT_EACCESS) != 0)
-    cause = errno;
-  else if (!copy || faccessat(AT_FDCWD, dirname(copy), W_OK | X_OK, AT_EACCESS) != 0)
-    cause = errno;
-  free(copy);
+  const int is_there = stat(path, &is) == 0;
+  if (is_there && S_ISDIR(is.st_mode))
+    return EISDIR;
+  if (is_there && faccessat(AT_FDCWD, path, W_OK, AT_EACCESS) != 0)
+    return errno;
+  return is_there && is_device(path, &is) ? 0 : try_new(path);
+}
+
+enum rad_code rad_save_try(const char *path, struct rad_error *e) {
+  const int cause = try_anywhere(path);
   return cause ? fail(path, cause, e) : RAD_OK;
 }

@@ -13,7 +13,8 @@
  * They go to PATH.<pid>.tmp in the same folder, are synced, then renamed. After an error the .tmp
  * is removed and a file that had the name before is as it was. A device or pipe (/dev/null, a FIFO)
  * is written straight away, because renaming would replace it. An existing file without write
- * permission is refused. A symbolic link is replaced, its target is not touched.
+ * permission is refused. A symbolic link is replaced, its target is not touched; but for those in
+ * /dev and /proc (/dev/stdout), which are written through.
  *
  * A file-size limit (ulimit -f) ends the process by SIGXFSZ unless the application ignores that
  * signal; it then becomes an error like any other.
@@ -35,8 +36,11 @@ int rad_write_all(int fd, const void *bytes, size_t size);
 /* Bytes at .. end - 1 of one file to the same place of another; returns 0 or an errno. */
 int rad_copy_part(int from, int to, off_t at, off_t end);
 
-/* The error that rad_save would give if it were called now, as far as can be told: before hours of
- * work are to be saved. */
+/* The name under which a file is written before it gets its own; owned, NULL without memory. */
+char *rad_save_temporary(const char *path);
+
+/* The error that rad_save would give if it were called now, as far as an empty file can tell:
+ * before hours of work are to be saved. */
 enum rad_code rad_save_try(const char *path, struct rad_error *e);
 
 #endif

@@ -61,6 +61,37 @@ enum rad_code rad_deck_interpret(struct rad_yaml *y, struct rad_yaml_node *root,
   return code;
 }
 
+enum rad_code rad_deck_name_mesh(struct rad_yaml *y, const char *file, struct rad_deck *deck) {
+  for (int i = 0; i < deck->n_named_mesh && file; i++)
+    if (!strcmp(deck->named_mesh[i], file))
+      return RAD_OK;
+  if (!file)
+    return RAD_OK;
+  char **grown = realloc(deck->named_mesh, (size_t)(deck->n_named_mesh + 1) * sizeof *grown);
+  if (!grown)
+    return rad_fail_memory(y->e, "the deck", (double)sizeof *grown * deck->n_named_mesh);
+  deck->named_mesh = grown;
+  const enum rad_code code = rad_copy_text(y, file, &grown[deck->n_named_mesh]);
+  deck->n_named_mesh += !code;
+  return code;
+}
+
+/* Value of a key of a mapping, or NULL. */
+static const struct rad_yaml_node *member(const struct rad_yaml_node *map, const char *key) {
+  if (map && map->kind == RAD_YAML_MAP)
+    for (const struct rad_yaml_node *k = map->first; k; k = k->next->next)
+      if (!strcmp(k->text, key))
+        return k->next;
+  return NULL;
+}
+
+/* The mesh as written: an override may put another in its place. */
+static enum rad_code name_written_mesh(struct rad_yaml *y, const struct rad_yaml_node *root,
+                                       struct rad_deck *deck) {
+  const struct rad_yaml_node *file = member(member(member(root, "scene"), "mesh"), "file");
+  return file && file->kind == RAD_YAML_SCALAR ? rad_deck_name_mesh(y, file->text, deck) : RAD_OK;
+}
+
 enum rad_code rad_deck_read(const char *path, int n_set, const char *const *set,
                             struct rad_deck *deck, struct rad_error *e) {
   *deck = (struct rad_deck){0};
@@ -78,9 +109,13 @@ enum rad_code rad_deck_read(const char *path, int n_set, const char *const *set,
                          "the deck is %s; write sections, at least 'scene:' (docs/format.md)",
                          rad_yaml_is_nothing(root) ? "empty" : "no mapping");
   if (!code)
+    code = name_written_mesh(&y, root, deck);
+  if (!code)
     code = rad_override_all(&y, root, n_set);
   if (!code)
     code = rad_deck_interpret(&y, root, ~0u, deck);
+  if (!code)
+    code = rad_deck_name_mesh(&y, deck->mesh_file, deck);
   rad_yaml_free(&y);
   return code;
 }
@@ -105,6 +140,9 @@ void rad_deck_free(struct rad_deck *deck) {
     free(deck->triangle[i].name);
   free(deck->triangle);
   free(deck->mesh_file);
+  for (int i = 0; i < deck->n_named_mesh; i++)
+    free(deck->named_mesh[i]);
+  free(deck->named_mesh);
   for (int i = 0; i < deck->n_surface; i++)
     free(deck->surface[i].name);
   free(deck->surface);

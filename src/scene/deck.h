@@ -145,6 +145,9 @@ struct rad_deck {
   struct rad_deck_triangle *triangle; /* owned [n_triangle] */
   char *mesh_file;                    /* owned or NULL; scene.mesh.file */
   double mesh_scale;
+  int n_named_mesh;
+  char **
+      named_mesh; /* owned [n_named_mesh] mesh_file, what overrides replaced, those of study runs */
   int n_surface;
   struct rad_deck_surface *surface; /* owned [n_surface] */
   double tolerance;                 /* accuracy.tolerance; 0 when not given */

@@ -124,6 +124,9 @@ enum rad_part {
   RAD_N_PART
 };
 
+/* Remember a mesh file that the deck names anywhere; NULL is none. */
+enum rad_code rad_deck_name_mesh(struct rad_yaml *y, const char *file, struct rad_deck *deck);
+
 /**
  * Fill a zeroed deck from a tree.
  *

@@ -11,6 +11,7 @@ enum { MAX_VARY = 32, MAX_RUN = 10000, MAX_REPEATS = 99 };
 struct trial {
   struct rad_yaml *y;
   struct rad_yaml_node *root;
+  struct rad_deck *deck; /* gets the names of meshes */
   const struct rad_deck_vary *vary;
   const char *what;     /* for messages */
   int chosen[MAX_VARY]; /* number of the value of each key */
@@ -119,6 +120,8 @@ static enum rad_code run_trial(struct trial *t, int n_key, const struct rad_yaml
   t->y->blame = value;
   enum rad_code code = rad_deck_interpret(t->y, t->root, t->parts, &scratch);
   t->y->blame = NULL;
+  if (!code)
+    code = rad_deck_name_mesh(t->y, scratch.mesh_file, t->deck);
   rad_deck_free(&scratch);
   return code;
 }
@@ -154,9 +157,9 @@ static enum rad_code try_reference(struct trial *t, int k, const struct rad_yaml
   return code;
 }
 
-static struct trial trial_of(struct rad_yaml *y, struct rad_yaml_node *root, const char *what,
-                             int n, const struct rad_deck_vary *vary) {
-  struct trial t = {.y = y, .root = root, .what = what, .vary = vary};
+static struct trial trial_of(struct rad_yaml *y, struct rad_yaml_node *root, struct rad_deck *deck,
+                             const char *what, int n, const struct rad_deck_vary *vary) {
+  struct trial t = {.y = y, .root = root, .deck = deck, .what = what, .vary = vary};
   for (int k = 0; k < n; k++)
     t.parts |= rad_deck_parts_of(vary[k].key);
   return t;
@@ -200,10 +203,10 @@ enum rad_code rad_deck_read_study(struct rad_yaml *y, struct rad_yaml_node *root
     code = read_reference(y, seen[REFERENCE], study);
   if (code)
     return code;
-  struct trial t = trial_of(y, root, "study", study->n_vary, study->vary);
+  struct trial t = trial_of(y, root, deck, "study", study->n_vary, study->vary);
   code = try_vary(&t, 0, seen[VARY]->first, NULL);
   if (code || study->n_reference == 0)
     return code;
-  t = trial_of(y, root, "reference run", study->n_reference, study->reference);
+  t = trial_of(y, root, deck, "reference run", study->n_reference, study->reference);
   return try_reference(&t, 0, seen[REFERENCE]->first, NULL);
 }

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "base/place.h"
 #include "base/vec.h"
 #include "scene/check.h"
 #include "scene/obj.h"
@@ -35,15 +36,10 @@ static enum rad_code out_of_memory(struct builder *b, double bytes) {
 
 /* The mesh file beside the deck, unless its name starts at the root. */
 static enum rad_code read_mesh(struct builder *b, struct rad_notes *notes) {
-  const char *file = b->deck->mesh_file, *slash = strrchr(b->path, '/');
-  if (!file)
+  if (!b->deck->mesh_file)
     return RAD_OK;
-  size_t n_folder = *file != '/' && slash ? (size_t)(slash - b->path) + 1 : 0;
-  b->mesh_path = calloc(n_folder + strlen(file) + 1, 1);
-  if (!b->mesh_path)
+  if (!(b->mesh_path = rad_path_beside(b->path, b->deck->mesh_file)))
     return out_of_memory(b, 1000);
-  memcpy(b->mesh_path, b->path, n_folder);
-  strcpy(b->mesh_path + n_folder, file);
   return rad_obj_read(b->mesh_path, &b->obj, notes, b->e);
 }
 

@@ -20,8 +20,9 @@ N_MOMENT = 200 if FULL else 20
 SEED = int(os.environ.get("POLYRAD_TEST_SEED", time.time_ns() % 10**6))
 BOTH = (signal.SIGTERM, signal.SIGUSR1)
 
-# What may differ between a run and the same run in pieces.
-OWN = re.compile(r"attribute: <(started|command|seconds_\w+|peak_memory_bytes) of <(/[\w/]+)>>")
+# What may differ between a run and the same run in pieces; checksums are also of these.
+OWN = re.compile(r"attribute: <(started|command|checksum|seconds_\w+|peak_memory_bytes) of <(/[\w/]+)>>"
+                 r"|dataset: </polyrad/checksums>")
 
 CORNER_FACES = (triangle("floor", [[0, 0, 0], [1, 0, 0], [0, 1, 0]], [0, 0, 1], 0.5, 0.5)
                 + triangle("x0", [[0, 0, 0], [0, 1, 0], [0, 0, 1]], [1, 0, 0], 0.9, 1)

@@ -356,6 +356,8 @@ static void refuse(const struct polyrad_scene *scene, const char *part) {
 START_TEST(bad_scenes) {
   static const int far[] = {0, 1, 2, 0, 2, 4, 0, 3, 1}, flat[] = {0, 1, 2, 0, 2, 2, 0, 3, 1};
   static const int twice[] = {0, 1, 2, 0, 1, 2, 0, 3, 1}, below[] = {0, -1, 1}, few[] = {0, 0, 0};
+  static const int least[] = {0, 1, INT_MIN, 0, 2, 3, 0, 3, 1},
+                   most[] = {INT_MAX, 1, 2, 0, 2, 3, 0, 3, INT_MAX};
   static const double more[] = {0.5, 1.1, 0}, not [] = {0, NAN, 0}, many[] = {0, INFINITY, 1};
   static const char *const same[] = {"a", "b", "a"}, *const none[] = {"a", NULL, "b"};
   static const double off[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, NAN, 1};
@@ -374,7 +376,22 @@ START_TEST(bad_scenes) {
   REFUSE(rho, NULL, "rho is NULL");
   REFUSE(emission, NULL, "0 of emission");
   REFUSE(vertex_emission, emission, "2 of emission");
+  REFUSE(n_triangle, 0, "0 triangles");
+  REFUSE(n_triangle, INT_MAX, "2147483647 triangles");
+  REFUSE(n_triangle, INT_MIN, "-2147483648 triangles");
+  REFUSE(n_vertex, 0, "0 vertices");
+  REFUSE(n_vertex, -1, "-1 vertices");
+  REFUSE(n_vertex, INT_MIN, "-2147483648 vertices");
+  REFUSE(n_vertex, 3, "triangle 2 has the vertex index 3; give one of 0 to 2");
   REFUSE(n_band, 17, "n_band is 17");
+  REFUSE(n_band, -1, "n_band is -1");
+  REFUSE(n_band, INT_MIN, "n_band is -2147483648");
+  REFUSE(n_band, INT_MAX, "n_band is 2147483647");
+  REFUSE(n_surface, -1, "n_surface is -1");
+  REFUSE(n_surface, INT_MAX, "n_surface is 2147483647");
+  REFUSE(triangle, least, "triangle 1 has the vertex index -2147483648; give one of 0 to 3");
+  REFUSE(triangle, most, "triangle 1 has the vertex index 2147483647; give one of 0 to 3");
+  REFUSE(surface, most, "triangle 1 has the surface index 2147483647; give one of 0 to 2");
   REFUSE(n_surface, 0, "n_surface is 0 and surface is given");
   REFUSE(n_surface, 4, "n_surface is 4");
   REFUSE(surface, NULL, "surface is NULL");
@@ -403,7 +420,10 @@ START_TEST(bad_calls) {
   double u[3] = {0}, w[3] = {0.5, 0.25, 0.25};
   int t = 0, out = 3;
   struct polyrad_summary s;
-  ck_assert_ptr_null(polyrad_warning(p, 0));
+  static const int extreme[] = {0, -1, INT_MAX, INT_MIN};
+  for (int i = 0; i < 4; i++)
+    ck_assert_ptr_null(polyrad_warning(p, extreme[i]));
+  ck_assert_ptr_null(polyrad_warning(NULL, 0));
   ck_assert_int_eq(polyrad_evaluate(p, 1, &t, w, u, NULL), POLYRAD_INPUT);
   ck_assert_str_eq(polyrad_error_text(p), "there is no solution yet; call polyrad_solve first");
   ck_assert_int_eq(polyrad_get_summary(p, &s), POLYRAD_INPUT);
@@ -415,6 +435,14 @@ START_TEST(bad_calls) {
   ck_assert_int_eq(polyrad_solve(p, NULL), POLYRAD_OK);
   ck_assert_int_eq(polyrad_evaluate(p, 1, &out, w, u, NULL), POLYRAD_INPUT);
   ck_assert_str_eq(polyrad_error_text(p), "point 1 has the triangle index 3; give one of 0 to 2");
+  for (int i = 1; i < 4; i++) {
+    ck_assert_int_eq(polyrad_evaluate(p, 1, &extreme[i], w, u, NULL), POLYRAD_INPUT);
+    ck_assert_ptr_nonnull(strstr(polyrad_error_text(p), "give one of 0 to 2"));
+    ck_assert_int_eq(polyrad_evaluate_at(p, 1, &extreme[i], w, u, NULL), POLYRAD_INPUT);
+    ck_assert_int_eq(polyrad_evaluate(p, extreme[i], &t, w, u, NULL), POLYRAD_INPUT);
+    ck_assert_ptr_nonnull(strstr(polyrad_error_text(p), "give 0 to"));
+    ck_assert_int_eq(polyrad_evaluate_at(p, extreme[i], &t, w, u, NULL), POLYRAD_INPUT);
+  }
   ck_assert_int_eq(polyrad_evaluate(p, 1, NULL, w, u, NULL), POLYRAD_INPUT);
   ck_assert_int_eq(polyrad_evaluate(p, -1, &t, w, u, NULL), POLYRAD_INPUT);
   ck_assert_int_eq(polyrad_evaluate(p, 0, NULL, NULL, NULL, NULL), POLYRAD_OK);
@@ -433,6 +461,29 @@ START_TEST(bad_calls) {
   ck_assert_int_eq(polyrad_solve(NULL, NULL), POLYRAD_INPUT);
   ck_assert_int_eq(polyrad_surface_means(NULL, u, u), POLYRAD_INPUT);
   ck_assert(strstr(polyrad_error_text(NULL), "NULL") && strlen(polyrad_version()) > 2);
+}
+END_TEST
+
+/* What polyrad_create refused is still a handle, which holds nothing. */
+START_TEST(calls_after_a_refusal) {
+  struct polyrad_scene scene = corner();
+  struct polyrad_summary summary;
+  double x[9] = {0.5, 0.25, 0.25};
+  const int t = 0;
+  polyrad *p;
+  scene.n_vertex = 3;
+  ck_assert_int_eq(polyrad_create(&scene, &p), POLYRAD_INPUT);
+  ck_assert_ptr_nonnull(p);
+  ck_assert_ptr_null(polyrad_warning(p, 0));
+  ck_assert_int_eq(polyrad_solve(p, NULL), POLYRAD_INPUT);
+  ck_assert_int_eq(polyrad_get_summary(p, &summary), POLYRAD_INPUT);
+  ck_assert_int_eq(polyrad_evaluate(p, 1, &t, x, x, x), POLYRAD_INPUT);
+  ck_assert_int_eq(polyrad_evaluate_at(p, 1, &t, x, x, x), POLYRAD_INPUT);
+  ck_assert_int_eq(polyrad_surface_means(p, x, x), POLYRAD_INPUT);
+  ck_assert_int_eq(polyrad_surface_heat(p, x, x), POLYRAD_INPUT);
+  ck_assert_int_eq(polyrad_view_factors(p, 0, x), POLYRAD_INPUT);
+  ck_assert_int_gt((int)strlen(polyrad_error_text(p)), 10);
+  polyrad_free(p);
 }
 END_TEST
 
@@ -516,6 +567,7 @@ int main(void) {
   tcase_add_test(t, warnings);
   tcase_add_test(t, bad_scenes);
   tcase_add_test(t, bad_calls);
+  tcase_add_test(t, calls_after_a_refusal);
   tcase_add_test(t, closed_and_white);
   tcase_add_test(t, memory_limit);
   tcase_add_test(t, two_at_a_time);
