@@ -36,17 +36,36 @@ struct sites {
   double (*mu)[2];      /* owned [n_point] */
 };
 
+/* The same place from the vertex that weighs most. Patches that start at a vertex are exact there
+ * and along their edge, however near; elsewhere what is as small as rounding is on an edge. */
+static void set_site(const struct rad_patch *patch, double phi, double r, int64_t at,
+                     struct sites *sites) {
+  double *mu = sites->mu[at];
+  rad_patch_mu(patch, phi > 0 ? phi : RAD_LIMIT, r > 0 ? r : RAD_LIMIT, mu);
+  sites->triangle[at] = patch->triangle;
+  sites->base[at] = patch->base;
+  double weight[3];
+  weight[patch->base] = 1 - mu[0] - mu[1];
+  weight[(patch->base + 1) % 3] = mu[0];
+  weight[(patch->base + 2) % 3] = mu[1];
+  if (patch->corner >= 0 && weight[patch->base] >= fmax(mu[0], mu[1]) * (1 - 1e-14)) {
+    rad_place_limit(mu);
+  } else {
+    struct rad_place place = rad_place_weighted(patch->triangle, weight);
+    sites->base[at] = place.base;
+    memcpy(mu, place.mu, sizeof place.mu);
+  }
+}
+
 /* Position and values of u_h at one point of the picture. */
 static void picture_point(const struct rad_case *c, int element, double phi, double r, int64_t at,
                           struct rad_picture *p, struct sites *sites) {
   const struct rad_element *e = &c->mesh->element[element];
   const struct rad_patch *patch = &c->mesh->patch[e->patch];
-  double value[RAD_GAUSS_MAX * RAD_GAUSS_MAX];
-  sites->triangle[at] = patch->triangle;
-  sites->base[at] = patch->base;
-  rad_patch_mu(patch, phi, r, sites->mu[at]);
-  rad_triangle_point(&c->scene.triangle[patch->triangle], patch->base, sites->mu[at],
-                     p->point + 3 * at);
+  double value[RAD_GAUSS_MAX * RAD_GAUSS_MAX], mu[2];
+  rad_patch_mu(patch, phi, r, mu);
+  rad_triangle_point(&c->scene.triangle[patch->triangle], patch->base, mu, p->point + 3 * at);
+  set_site(patch, phi, r, at, sites);
   rad_element_basis(c->mesh, element, phi, r, value);
   int nb = c->scene.n_band;
   for (int b = 0; b < nb; b++) {
@@ -142,13 +161,6 @@ static enum rad_code add_estimates(const struct rad_case *c, struct rad_picture 
   return RAD_OK;
 }
 
-/* Points on a side or at a corner see less of their neighbours: move them in, as probes are. */
-static void move_inside(struct sites *sites, int64_t n) {
-  for (int64_t i = 0; i < n; i++)
-    for (int d = 0; d < 2; d++)
-      sites->mu[i][d] = fmax(sites->mu[i][d], 1e-12);
-}
-
 /* An adaptive run reports u* = E + rho K u_h everywhere. */
 static enum rad_code use_iterated(const struct rad_case *c, struct rad_picture *p,
                                   struct sites *sites, struct rad_error *e) {
@@ -167,7 +179,6 @@ static enum rad_code use_iterated(const struct rad_case *c, struct rad_picture *
     count[i] = side * side;
     at += count[i];
   }
-  move_inside(sites, p->n_point);
   struct rad_element_points points = {first, count, sites->base, (const double(*)[2])sites->mu};
   struct rad_point_list list = {(int)p->n_point, sites->triangle, sites->base, points.mu};
   enum rad_code code = rad_irradiance_on(c->mesh, &c->rules, &points, at, (int)nb, c->u, h, e);
