@@ -48,6 +48,8 @@ void rad_adaptive_free(struct rad_adaptive *a) {
   rad_layout_free(&a->layout);
   rad_stage_free(&a->stage);
   free(a->element_bound);
+  free(a->source);
+  free(a->z);
   *a = (struct rad_adaptive){0};
 }
 

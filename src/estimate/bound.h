@@ -11,7 +11,7 @@ double rad_safety(const struct rad_scene *s);
  * err by `quadrature`. */
 void rad_set_bound(struct rad_adaptive *a);
 
-/* element_bound: z = (I - rho K)^{-1} g with the largest |rho K d| of each element as g. */
+/* source, z and element_bound: z = (I - rho K)^{-1} g. */
 enum rad_code rad_set_element_bound(struct rad_adaptive *a, struct rad_error *e);
 
 #endif
