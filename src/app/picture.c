@@ -109,7 +109,8 @@ static void keep_used(const struct rad_canvas *canvas, int64_t *number, struct r
 static enum rad_code collect(const struct rad_canvas *canvas, const int64_t *first,
                              struct rad_picture *p, struct rad_error *e) {
   const struct rad_case *c = canvas->c;
-  size_t points = (size_t)canvas->n_dot, cells = (size_t)canvas->n_tile, nb = (size_t)c->scene.n_band;
+  size_t points = (size_t)canvas->n_dot, cells = (size_t)canvas->n_tile,
+         nb = (size_t)c->scene.n_band;
   size_t corners = 4 * cells;
   for (int i = 0; i < c->mesh->n_element; i++)
     if (rad_picture_is_lagrange(c, i)) {

@@ -28,15 +28,15 @@ struct rad_sample {
 };
 
 struct rad_canvas {
-  const struct rad_case *c;   /* borrowed */
-  struct rad_once once;       /* K u_h, and K z of the bound; only if there is one */
-  int width;                  /* numbers of a dot: h and u of all bands, bound */
+  const struct rad_case *c; /* borrowed */
+  struct rad_once once;     /* K u_h, and K z of the bound; only if there is one */
+  int width;                /* numbers of a dot: h and u of all bands, bound */
   int64_t n_dot, n_tile, n_sample;
   size_t room_dot, room_value, room_tile, room_sample;
-  struct rad_dot *dot;        /* owned; by element, as far as they were made at a time */
-  double *value;              /* owned [n_dot, width] [W/m2] */
-  struct rad_tile *tile;      /* owned, by element; none where an element is one Lagrange cell */
-  struct rad_sample *sample;  /* owned */
+  struct rad_dot *dot;       /* owned; by element, as far as they were made at a time */
+  double *value;             /* owned [n_dot, width] [W/m2] */
+  struct rad_tile *tile;     /* owned, by element; none where an element is one Lagrange cell */
+  struct rad_sample *sample; /* owned */
 };
 
 /* Cells per direction of an element before any is halved; or the order of its Lagrange cell. */
@@ -53,13 +53,14 @@ void rad_canvas_free(struct rad_canvas *canvas); /* safe twice */
 int64_t rad_canvas_add(struct rad_canvas *canvas, int element, double sigma, double tau);
 
 /* Values of the dots from `from` on, which are in the order of their elements: u* and h = K u_h
- * where there is a bound, at edges their limits from inside the face; else u_h and h interpolated. */
+ * where there is a bound, at edges their limits from inside the face; else u_h and h interpolated.
+ */
 enum rad_code rad_canvas_evaluate(struct rad_canvas *canvas, int64_t from, struct rad_error *e);
 
 /**
  * Dots and tiles of all elements, evaluated. Where u_h is no guide, on black faces and below what
  * the mesh does not resolve, tiles are halved until their corners, interpolated, show the
- * irradiance in their middles and below what is near to 0.01 of the face's largest: three times,
+ * irradiance in their middles and below what is near to 0.02 of the face's largest: three times,
  * and three times more often than what holds such a place, at most RAD_PICTURE_HALVINGS times.
  *
  * @param[out] first_dot  [n_element] of each element's grid

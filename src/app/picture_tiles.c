@@ -9,7 +9,9 @@
 enum { MOST_ORDER = 10 };
 
 /* Corners, interpolated, show what is there to this part of the face's largest irradiance. */
-#define SHOWN 0.01
+#define SHOWN 0.02
+#define LITTLE 0.02
+#define BENT 0.05
 
 /* Halvings where nothing is near, as at vertices in which faces of different light meet, and beyond
  * what holds a foot: what happens there reaches a few times as far as it is wide. */
@@ -107,11 +109,38 @@ static int is_missed(const struct rad_canvas *p, const struct rad_tile *t, int64
   return 0;
 }
 
+/* h of the collocation points at the middle of a tile less what its corners show, for one band. */
+static double bend(const struct rad_canvas *p, const struct rad_tile *t, int band) {
+  const struct rad_case *c = p->c;
+  const struct rad_element *e = &c->mesh->element[t->element];
+  int n = 2 * rad_picture_steps(c, t->element) << t->level;
+  static const int place[5][2] = {{1, 1}, {0, 0}, {2, 0}, {2, 2}, {0, 2}};
+  double value[5], basis[RAD_GAUSS_MAX * RAD_GAUSS_MAX];
+  for (int k = 0; k < 5; k++) {
+    double sigma = part_of(e->sigma, 2 * t->i + place[k][0], n);
+    double tau = part_of(e->tau, 2 * t->j + place[k][1], n);
+    rad_element_basis(c->mesh, t->element, pow(sigma, e->p_phi), pow(tau, e->p_r), basis);
+    value[k] = 0;
+    for (int f = 0; f < e->n_function; f++)
+      value[k] += basis[f] * c->h[(size_t)band * (size_t)c->mesh->n_point + (size_t)(e->first + f)];
+  }
+  return value[0] - 0.25 * (value[1] + value[2] + value[3] + value[4]);
+}
+
+/* True if the mesh knows of more in a tile than its corners show. */
+static int is_bent(const struct rad_canvas *p, const struct rad_tile *t, const double *most) {
+  int nb = p->c->scene.n_band, triangle = rad_element_triangle(p->c->mesh, t->element);
+  for (int b = 0; b < nb; b++)
+    if (fabs(bend(p, t, b)) > BENT * most[triangle * nb + b])
+      return 1;
+  return 0;
+}
+
 static int misses_any(const struct rad_canvas *p, const struct rad_tile *t, const double *most) {
   for (int64_t s = t->sample; s >= 0; s = p->sample[s].next)
     if (is_missed(p, t, p->sample[s].dot, most))
       return 1;
-  return 0;
+  return passive(p->c, t->element) == RAD_ACTIVE && is_bent(p, t, most);
 }
 
 /* The largest |h| of each face among the dots from `from` on. */
@@ -129,9 +158,9 @@ static void see_largest(const struct rad_canvas *p, int64_t from, double *most) 
 /* Places below what is near to a face, by element: those on black faces, which the mesh does not
  * look at, and those that it does not resolve. */
 struct feet {
-  struct rad_feet black; /* owned */
-  int *head;             /* owned [n_element] first foot, or -1 */
-  int *next;             /* owned [feet] next of the element, or -1 */
+  struct rad_feet black;        /* owned */
+  int *head;                    /* owned [n_element] first foot, or -1 */
+  int *next;                    /* owned [feet] next of the element, or -1 */
   const struct rad_foot **foot; /* owned [feet] */
 };
 
@@ -186,7 +215,8 @@ static int add_grid(struct rad_canvas *p, int element, int64_t *first) {
   for (int j = 0; j < s && done && !rad_picture_is_lagrange(p->c, element); j++)
     for (int i = 0; i < s && done; i++) {
       int64_t at = *first + j * (s + 1) + i;
-      struct rad_tile tile = {element, 0, i, j, 0, HALVINGS, {at, at + 1, at + s + 2, at + s + 1}, -1};
+      struct rad_tile tile = {element, 0, i, j, 0, HALVINGS, {at, at + 1, at + s + 2, at + s + 1},
+                              -1};
       done = add_tile(p, tile) != NULL;
     }
   return done;
@@ -194,6 +224,15 @@ static int add_grid(struct rad_canvas *p, int element, int64_t *first) {
 
 static int clamp(double x, int n) {
   return x < 0 ? 0 : x < n ? (int)x : n - 1;
+}
+
+/* True for faces that reflect so little that the mesh need not follow their irradiance. */
+static int needs_feet(const struct rad_case *c, int element) {
+  int t = rad_element_triangle(c->mesh, element), nb = c->scene.n_band;
+  double least = 1;
+  for (int b = 0; b < nb; b++)
+    least = fmin(least, c->scene.rho[t * nb + b]);
+  return least < LITTLE;
 }
 
 /* A foot as a sample of its tile; the element's tiles begin at `tile`. */
@@ -212,12 +251,12 @@ static int add_foot(struct rad_canvas *p, int element, int64_t tile, const struc
  * face. */
 static int add_samples(struct rad_canvas *p, int element, int64_t tile, const struct feet *feet) {
   int done = 1;
-  for (int f = feet->head[element]; f >= 0 && done; f = feet->next[f])
+  for (int f = feet->head[element]; f >= 0 && done && needs_feet(p->c, element); f = feet->next[f])
     done = add_foot(p, element, tile, feet->foot[f]);
   for (int64_t t = tile; t < p->n_tile && done; t++) {
-    p->tile[t].is_open |= passive(p->c, element) == RAD_BLACK;
-    if (p->tile[t].is_open)
+    if (p->tile[t].is_open || passive(p->c, element) == RAD_BLACK)
       done = add_middle(p, &p->tile[t]);
+    p->tile[t].is_open = 1;
   }
   return done;
 }
@@ -243,9 +282,14 @@ static int quarter(struct rad_canvas *p, const struct rad_tile *t, struct rad_ti
     }
   for (int k = 0; k < 4; k++) {
     int i = k % 2, j = k / 2;
-    four[k] = (struct rad_tile){
-        t->element, t->level + 1, 2 * t->i + i, 2 * t->j + j, 1, deepest,
-        {dot[j][i], dot[j][i + 1], dot[j + 1][i + 1], dot[j + 1][i]}, -1};
+    four[k] = (struct rad_tile){t->element,
+                                t->level + 1,
+                                2 * t->i + i,
+                                2 * t->j + j,
+                                1,
+                                deepest,
+                                {dot[j][i], dot[j][i + 1], dot[j + 1][i + 1], dot[j + 1][i]},
+                                -1};
   }
   for (int64_t s = t->sample, next; s >= 0 && done; s = next) {
     double at[2];
@@ -257,7 +301,7 @@ static int quarter(struct rad_canvas *p, const struct rad_tile *t, struct rad_ti
     p->sample[s].next = to->sample;
     to->sample = s;
   }
-  for (int k = 0; k < 4 && done; k++)
+  for (int k = 0; k < 4 && done && t->sample >= 0; k++)
     done = add_middle(p, &four[k]);
   return done;
 }
@@ -275,7 +319,8 @@ static int64_t halve(struct rad_canvas *p, const double *most, int64_t room) {
     struct rad_tile four[4], one = old[t];
     of_element = t > 0 && old[t - 1].element == one.element ? of_element : 0;
     int splits = one.is_open && n < room && of_element < MOST_OF_ELEMENT &&
-                 one.level < one.deepest && one.level < RAD_PICTURE_HALVINGS && misses_any(p, &one, most);
+                 one.level < one.deepest && one.level < RAD_PICTURE_HALVINGS &&
+                 misses_any(p, &one, most);
     of_element += splits ? 4 : 1;
     one.is_open = 0;
     if (splits) {

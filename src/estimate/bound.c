@@ -44,8 +44,8 @@ enum rad_code rad_set_element_bound(struct rad_adaptive *a, struct rad_error *e)
     code = rad_fail_memory(e, "the error bound", 8.0 * (double)(n + n * nb));
   for (int i = 0; i < a->mesh->n_element && !code; i++) {
     const struct rad_element *el = &a->mesh->element[i];
-    double found = a->indicator.local_limit[i] +
-                   a->indicator.unseen[rad_element_triangle(a->mesh, i)];
+    double found =
+        a->indicator.local_limit[i] + a->indicator.unseen[rad_element_triangle(a->mesh, i)];
     a->source[i] = rad_safety(a->layout.scene) * found + rest_of(a);
     for (int f = 0; f < el->n_function; f++)
       right[el->first + f] = a->source[i];

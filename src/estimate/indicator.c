@@ -259,7 +259,7 @@ static enum rad_code look_below(struct work *w, const struct rad_rules *rules, c
 
 static enum rad_code allocate(struct rad_indicator *x, int n_element, int n_triangle, int n_band,
                               struct rad_error *e) {
-  double **list[] = {&x->local,    &x->local_limit, &x->part,  &x->tail_phi,
+  double **list[] = {&x->local,  &x->local_limit, &x->part,  &x->tail_phi,
                      &x->tail_r, &x->rate_phi,    &x->rate_r};
   int failed = !(x->scale = rad_calloc((size_t)n_band, sizeof(double)));
   failed |= !(x->unseen = rad_calloc((size_t)n_triangle, sizeof(double)));

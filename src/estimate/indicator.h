@@ -21,7 +21,7 @@ struct rad_indicator {
   double change; /* max |d| / scale */
   double *local; /* owned [n_element] max of |rho K d| / scale at the element's check points */
   double *local_limit; /* owned [n_element] the same with the limits at edges and vertices */
-  double *part;  /* owned [n_element] max over check points of |rho K d_e| / scale */
+  double *part;        /* owned [n_element] max over check points of |rho K d_e| / scale */
   double *tail_phi,
       *tail_r;    /* owned [n_element] size of u*'s modes beyond the element's, over scale */
   double *unseen; /* owned [n_triangle] most that d between the samples does to rho K d (6.10) */
