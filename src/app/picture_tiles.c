@@ -8,10 +8,10 @@
 /* VTK's limit on the order of its Lagrange cells. */
 enum { MOST_ORDER = 10 };
 
-/* Corners, interpolated, show what is there to this part of the face's largest irradiance. */
+/* Corners, interpolated, show what is there to this part of the face's largest irradiance; on faces
+ * whose light the mesh follows, and in every point costs time, coarser. */
 #define SHOWN 0.02
-#define LITTLE 0.02
-#define BENT 0.05
+#define SHOWN_ACTIVE 0.05
 
 /* Halvings where nothing is near, as at vertices in which faces of different light meet, and beyond
  * what holds a foot: what happens there reaches a few times as far as it is wide. */
@@ -99,11 +99,12 @@ static int is_missed(const struct rad_canvas *p, const struct rad_tile *t, int64
   inside(p, t, &p->dot[dot], at);
   const double weight[4] = {(1 - at[0]) * (1 - at[1]), at[0] * (1 - at[1]), at[0] * at[1],
                             (1 - at[0]) * at[1]};
+  double part = passive(p->c, t->element) == RAD_BLACK ? SHOWN : SHOWN_ACTIVE;
   for (int b = 0; b < nb; b++) {
     double shown = 0;
     for (int k = 0; k < 4; k++)
       shown += weight[k] * p->value[t->corner[k] * p->width + b];
-    if (fabs(p->value[dot * p->width + b] - shown) > SHOWN * most[triangle * nb + b])
+    if (fabs(p->value[dot * p->width + b] - shown) > part * most[triangle * nb + b])
       return 1;
   }
   return 0;
@@ -131,7 +132,7 @@ static double bend(const struct rad_canvas *p, const struct rad_tile *t, int ban
 static int is_bent(const struct rad_canvas *p, const struct rad_tile *t, const double *most) {
   int nb = p->c->scene.n_band, triangle = rad_element_triangle(p->c->mesh, t->element);
   for (int b = 0; b < nb; b++)
-    if (fabs(bend(p, t, b)) > BENT * most[triangle * nb + b])
+    if (fabs(bend(p, t, b)) > SHOWN_ACTIVE * most[triangle * nb + b])
       return 1;
   return 0;
 }
@@ -226,15 +227,6 @@ static int clamp(double x, int n) {
   return x < 0 ? 0 : x < n ? (int)x : n - 1;
 }
 
-/* True for faces that reflect so little that the mesh need not follow their irradiance. */
-static int needs_feet(const struct rad_case *c, int element) {
-  int t = rad_element_triangle(c->mesh, element), nb = c->scene.n_band;
-  double least = 1;
-  for (int b = 0; b < nb; b++)
-    least = fmin(least, c->scene.rho[t * nb + b]);
-  return least < LITTLE;
-}
-
 /* A foot as a sample of its tile; the element's tiles begin at `tile`. */
 static int add_foot(struct rad_canvas *p, int element, int64_t tile, const struct rad_foot *foot) {
   const struct rad_element *e = &p->c->mesh->element[element];
@@ -251,10 +243,10 @@ static int add_foot(struct rad_canvas *p, int element, int64_t tile, const struc
  * face. */
 static int add_samples(struct rad_canvas *p, int element, int64_t tile, const struct feet *feet) {
   int done = 1;
-  for (int f = feet->head[element]; f >= 0 && done && needs_feet(p->c, element); f = feet->next[f])
+  for (int f = feet->head[element]; f >= 0 && done; f = feet->next[f])
     done = add_foot(p, element, tile, feet->foot[f]);
   for (int64_t t = tile; t < p->n_tile && done; t++) {
-    if (p->tile[t].is_open || passive(p->c, element) == RAD_BLACK)
+    if (passive(p->c, element) == RAD_BLACK)
       done = add_middle(p, &p->tile[t]);
     p->tile[t].is_open = 1;
   }
@@ -265,7 +257,9 @@ static int add_samples(struct rad_canvas *p, int element, int64_t tile, const st
 
 /* True if a sample of a tile is not its middle. */
 static int has_foot(const struct rad_canvas *p, const struct rad_tile *t) {
-  return t->sample >= 0 && p->sample[t->sample].next >= 0;
+  int is_last = t->sample >= 0 && p->sample[t->sample].next < 0;
+  int has_middle = passive(p->c, t->element) == RAD_BLACK || t->level > 0;
+  return t->sample >= 0 && !(is_last && has_middle);
 }
 
 /* The four tiles of one, in `four`; the samples go to them. 0 without memory. */
