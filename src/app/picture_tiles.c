@@ -157,7 +157,7 @@ static void see_largest(const struct rad_canvas *p, int64_t from, double *most) 
 /* ---- feet ------------------------------------------------------------------------------------ */
 
 /* Places below what is near to a face, by element: those on black faces, which the mesh does not
- * look at, and those that it does not resolve. */
+ * look at, and those of the others at which the samples of its estimate miss something. */
 struct feet {
   struct rad_feet black;        /* owned */
   int *head;                    /* owned [n_element] first foot, or -1 */
@@ -170,6 +170,16 @@ static void feet_free(struct feet *f) {
   free(f->head);
   free(f->next);
   free(f->foot);
+}
+
+/* The largest irradiance that the mesh knows of on an element's face. */
+static double largest_known(const struct rad_case *c, int element) {
+  int t = rad_element_triangle(c->mesh, element);
+  double most = 0;
+  for (int b = 0; b < c->scene.n_band; b++)
+    for (int q = c->mesh->point_first[t]; q < c->mesh->point_first[t + 1]; q++)
+      most = fmax(most, fabs(c->h[(size_t)b * (size_t)c->mesh->n_point + (size_t)q]));
+  return most;
 }
 
 static enum rad_code feet_find(const struct rad_case *c, struct feet *f, struct rad_error *e) {
@@ -198,6 +208,9 @@ static enum rad_code feet_find(const struct rad_case *c, struct feet *f, struct 
     f->head[i] = -1;
   for (int i = 0; i < n; i++) {
     f->foot[i] = i < n_known ? &known->foot[i] : &f->black.foot[i - n_known];
+    if (i < n_known &&
+        known->foot[i].missed <= SHOWN_ACTIVE * largest_known(c, known->foot[i].element))
+      continue;
     f->next[i] = f->head[f->foot[i]->element];
     f->head[f->foot[i]->element] = i;
   }
