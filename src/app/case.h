@@ -99,7 +99,7 @@ enum rad_code rad_case_result(const struct rad_case *c, const char *command,
 enum rad_code rad_case_picture(const struct rad_case *c, struct rad_picture *picture,
                                struct rad_error *e);
 /* Where a point is in a triangle: mu counts from the vertex `base` that weighs most, as in
- * rad_patch, and is at least 1e-12: on an edge it means the limit from inside the face. */
+ * rad_patch, and is at least RAD_LIMIT: on an edge it means the limit from inside the face. */
 struct rad_place {
   int triangle, base;
   double mu[2], off; /* off: distance from the triangle's plane or outside of it, over its size */
@@ -107,6 +107,10 @@ struct rad_place {
 
 struct rad_place rad_place_weighted(int triangle, const double weight[3]); /* barycentric */
 struct rad_place rad_place_in(const struct rad_scene *scene, int triangle, const double at[3]);
+
+/* The limit from inside the face where mu is 0. It is taken beside the point of the edge, by 1e-13
+ * of the distance to the vertex, which no value shows. */
+void rad_place_limit(double mu[2]);
 
 /* A point with more `off` is not on the triangle. */
 #define RAD_OFF 1e-6

@@ -1,88 +1,42 @@
 /* The picture of a solved case: points and cells of its elements, with the values there. */
+#include "app/picture.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "app/case.h"
 #include "base/memory.h"
 
-/* VTK's limit on the order of its Lagrange cells. */
-enum { MOST_ORDER = 10, VTK_TRIANGLE = 5, VTK_QUAD = 9, VTK_LAGRANGE_QUADRILATERAL = 70 };
+enum { VTK_TRIANGLE = 5, VTK_QUAD = 9, VTK_LAGRANGE_QUADRILATERAL = 70 };
 
-static int larger(int a, int b) {
-  return a > b ? a : b;
-}
-
-/* Points per direction of an element, less one. Linear cells: as asked, and in adaptive runs at
- * least half its degree, or its shape is lost. One Lagrange cell: its degree, and enough for its
- * coordinates, which are polynomials of degree p in a graded variable (times tan of one). */
-static int steps_of(const struct rad_case *c, int element) {
-  const struct rad_element *e = &c->mesh->element[element];
-  int s = c->deck.output.sampling, k = larger(e->k_phi, e->k_r);
-  if (c->deck.output.cells == RAD_CELLS_LINEAR)
-    return c->is_adaptive ? larger(s, (k + 1) / 2) : s;
-  s = larger(larger(s, k - 1), 2 * (int)ceil(fmax(e->p_phi, e->p_r)));
-  return s < MOST_ORDER ? s : MOST_ORDER;
-}
-
-static size_t cells_of(const struct rad_case *c, int element) {
-  size_t s = (size_t)steps_of(c, element);
-  return c->deck.output.cells == RAD_CELLS_LINEAR ? s * s : 1;
-}
-
-/* Where the points of a picture lie on their triangles. */
-struct sites {
-  int *triangle, *base; /* owned [n_point] */
-  double (*mu)[2];      /* owned [n_point] */
-};
-
-/* Position and values of u_h at one point of the picture. */
-static void picture_point(const struct rad_case *c, int element, double phi, double r, int64_t at,
-                          struct rad_picture *p, struct sites *sites) {
-  const struct rad_element *e = &c->mesh->element[element];
-  const struct rad_patch *patch = &c->mesh->patch[e->patch];
-  double value[RAD_GAUSS_MAX * RAD_GAUSS_MAX];
-  sites->triangle[at] = patch->triangle;
-  sites->base[at] = patch->base;
-  rad_patch_mu(patch, phi, r, sites->mu[at]);
-  rad_triangle_point(&c->scene.triangle[patch->triangle], patch->base, sites->mu[at],
-                     p->point + 3 * at);
-  rad_element_basis(c->mesh, element, phi, r, value);
-  int nb = c->scene.n_band;
-  for (int b = 0; b < nb; b++) {
-    const double *u = c->u + (size_t)b * c->mesh->n_point + e->first;
-    const double *h = c->h + (size_t)b * c->mesh->n_point + e->first;
-    double su = 0, sh = 0;
-    for (int f = 0; f < e->n_function; f++) {
-      su += value[f] * u[f];
-      sh += value[f] * h[f];
-    }
-    p->radiosity[at * nb + b] = su;
-    p->irradiance[at * nb + b] = sh;
-  }
-}
-
-/* Append a cell whose points are already in the list. */
-static void add_cell(struct rad_picture *p, int triangle, int type, int64_t n) {
+/* Append a cell whose points are in the list; `bound` is the largest of them and the element's. */
+static void add_cell(const struct rad_canvas *canvas, struct rad_picture *p, int element, int type,
+                     int64_t n) {
+  const struct rad_case *c = canvas->c;
+  const int64_t *list = p->connectivity + p->offset[p->n_cell];
   p->type[p->n_cell] = (unsigned char)type;
-  p->triangle[p->n_cell] = triangle;
+  p->triangle[p->n_cell] = rad_element_triangle(c->mesh, element);
+  if (p->bound) {
+    double unit = rad_indicator_scale(&c->adaptive.indicator, c->scene.n_band);
+    double bound = c->adaptive.element_bound[element] * unit;
+    for (int64_t k = 0; k < n; k++)
+      bound = fmax(bound, canvas->value[(list[k] + 1) * canvas->width - 1]);
+    p->bound[p->n_cell] = bound;
+    p->indicator[p->n_cell] = c->adaptive.indicator.local[element] * unit;
+  }
   p->n_cell++;
   p->offset[p->n_cell] = p->offset[p->n_cell - 1] + n;
 }
 
-/* s x s linear cells; those at r = 0 are triangles. */
-static void add_linear(struct rad_picture *p, int triangle, int64_t first, int s, int has_tip) {
-  for (int j = 0; j < s; j++)
-    for (int i = 0; i < s; i++) {
-      int64_t corner = first + j * (s + 1) + i, *list = p->connectivity + p->offset[p->n_cell];
-      int tip = j == 0 && has_tip, n = 0;
-      list[n++] = corner;
-      if (!tip)
-        list[n++] = corner + 1;
-      list[n++] = corner + s + 2;
-      list[n++] = corner + s + 1;
-      add_cell(p, triangle, tip ? VTK_TRIANGLE : VTK_QUAD, n);
-    }
+/* A linear cell; at r = 0 a triangle. */
+static void add_linear(const struct rad_canvas *canvas, const struct rad_tile *tile,
+                       struct rad_picture *p) {
+  int64_t *list = p->connectivity + p->offset[p->n_cell];
+  int tip = tile->j == 0 && canvas->c->mesh->element[tile->element].tau[0] == 0, n = 0;
+  for (int k = 0; k < 4; k++)
+    if (!tip || k != 1)
+      list[n++] = tile->corner[k];
+  add_cell(canvas, p, tile->element, tip ? VTK_TRIANGLE : VTK_QUAD, n);
 }
 
 /* Place of node (i, j), 0..s, in VTK's order: corners round the cell, then sides (both pairs in the
@@ -99,119 +53,106 @@ static int lagrange_place(int i, int j, int s) {
 }
 
 /* One cell of order s. At r = 0 its side has the length 0, but a value for each direction. */
-static void add_lagrange(struct rad_picture *p, int triangle, int64_t first, int s) {
+static void add_lagrange(const struct rad_canvas *canvas, int element, int64_t first,
+                         struct rad_picture *p) {
+  int s = rad_picture_steps(canvas->c, element);
   int64_t *list = p->connectivity + p->offset[p->n_cell];
   for (int j = 0; j <= s; j++)
     for (int i = 0; i <= s; i++)
       list[lagrange_place(i, j, s)] = first + j * (s + 1) + i;
-  add_cell(p, triangle, VTK_LAGRANGE_QUADRILATERAL, (int64_t)(s + 1) * (s + 1));
+  add_cell(canvas, p, element, VTK_LAGRANGE_QUADRILATERAL, (int64_t)(s + 1) * (s + 1));
 }
 
-/* Points and cells of one element, equally spaced in its graded variables. */
-static void picture_element(const struct rad_case *c, int element, struct rad_picture *p,
-                            struct sites *sites) {
-  const struct rad_element *e = &c->mesh->element[element];
-  int s = steps_of(c, element), triangle = rad_element_triangle(c->mesh, element);
-  int64_t first = p->n_point;
-  for (int j = 0; j <= s; j++)
-    for (int i = 0; i <= s; i++) {
-      double sigma = e->sigma[0] + (e->sigma[1] - e->sigma[0]) * i / s;
-      double tau = e->tau[0] + (e->tau[1] - e->tau[0]) * j / s;
-      picture_point(c, element, pow(sigma, e->p_phi), pow(tau, e->p_r), p->n_point++, p, sites);
+/* Cells of all elements, with dots as their points. */
+static void add_cells(const struct rad_canvas *canvas, const int64_t *first,
+                      struct rad_picture *p) {
+  int64_t t = 0;
+  for (int i = 0; i < canvas->c->mesh->n_element; i++)
+    if (rad_picture_is_lagrange(canvas->c, i))
+      add_lagrange(canvas, i, first[i], p);
+    else
+      for (; t < canvas->n_tile && canvas->tile[t].element == i; t++)
+        add_linear(canvas, &canvas->tile[t], p);
+}
+
+/* Position and values of a dot. */
+static void set_point(const struct rad_canvas *canvas, int64_t dot, int64_t at,
+                      struct rad_picture *p) {
+  const struct rad_case *c = canvas->c;
+  const struct rad_dot *d = &canvas->dot[dot];
+  const struct rad_element *el = &c->mesh->element[d->element];
+  const struct rad_patch *patch = &c->mesh->patch[el->patch];
+  size_t nb = (size_t)c->scene.n_band;
+  const double *value = canvas->value + dot * canvas->width;
+  double mu[2];
+  rad_patch_mu(patch, pow(d->sigma, el->p_phi), pow(d->tau, el->p_r), mu);
+  rad_triangle_point(&c->scene.triangle[patch->triangle], patch->base, mu, p->point + 3 * at);
+  memcpy(p->irradiance + (size_t)at * nb, value, nb * sizeof *value);
+  memcpy(p->radiosity + (size_t)at * nb, value + nb, nb * sizeof *value);
+}
+
+/* Points are the dots that cells use, in their order; connectivity is renumbered. */
+static void keep_used(const struct rad_canvas *canvas, int64_t *number, struct rad_picture *p) {
+  for (int64_t i = 0; i < canvas->n_dot; i++)
+    number[i] = -1;
+  for (int64_t k = 0; k < p->offset[p->n_cell]; k++)
+    number[p->connectivity[k]] = 0;
+  for (int64_t i = 0; i < canvas->n_dot; i++)
+    if (number[i] == 0) {
+      number[i] = p->n_point++;
+      set_point(canvas, i, number[i], p);
     }
-  if (c->deck.output.cells == RAD_CELLS_LINEAR)
-    add_linear(p, triangle, first, s, e->tau[0] == 0);
-  else
-    add_lagrange(p, triangle, first, s);
+  for (int64_t k = 0; k < p->offset[p->n_cell]; k++)
+    p->connectivity[k] = number[p->connectivity[k]];
 }
 
-/* The estimate of each cell's element, in W/m2. */
-static enum rad_code add_estimates(const struct rad_case *c, struct rad_picture *p,
-                                   struct rad_error *e) {
-  double unit = rad_indicator_scale(&c->adaptive.indicator, c->scene.n_band);
-  p->indicator = rad_alloc((size_t)p->n_cell, sizeof(double));
-  p->bound = rad_alloc((size_t)p->n_cell, sizeof(double));
-  if (!p->indicator || !p->bound)
-    return rad_fail_memory(e, "the picture (output.sampling)", 16.0 * (double)p->n_cell);
-  int64_t cell = 0;
+static enum rad_code collect(const struct rad_canvas *canvas, const int64_t *first,
+                             struct rad_picture *p, struct rad_error *e) {
+  const struct rad_case *c = canvas->c;
+  size_t points = (size_t)canvas->n_dot, cells = (size_t)canvas->n_tile,
+         nb = (size_t)c->scene.n_band;
+  size_t corners = 4 * cells;
   for (int i = 0; i < c->mesh->n_element; i++)
-    for (size_t n = cells_of(c, i); n > 0; n--, cell++) {
-      p->indicator[cell] = c->adaptive.indicator.local[i] * unit;
-      p->bound[cell] = c->adaptive.element_bound[i] * unit;
+    if (rad_picture_is_lagrange(c, i)) {
+      size_t side = (size_t)rad_picture_steps(c, i) + 1;
+      cells++;
+      corners += side * side;
     }
-  return RAD_OK;
-}
-
-/* Points on a side or at a corner see less of their neighbours: move them in, as probes are. */
-static void move_inside(struct sites *sites, int64_t n) {
-  for (int64_t i = 0; i < n; i++)
-    for (int d = 0; d < 2; d++)
-      sites->mu[i][d] = fmax(sites->mu[i][d], 1e-12);
-}
-
-/* An adaptive run reports u* = E + rho K u_h everywhere. */
-static enum rad_code use_iterated(const struct rad_case *c, struct rad_picture *p,
-                                  struct sites *sites, struct rad_error *e) {
-  size_t n = (size_t)p->n_point, nb = (size_t)c->scene.n_band;
-  int *first = rad_alloc(2 * (size_t)c->mesh->n_element, sizeof(int)), at = 0;
-  int *count = first + c->mesh->n_element;
-  double *h = rad_alloc(n * nb, sizeof(double));
-  if (!first || !h) {
-    free(first);
-    free(h);
-    return rad_fail_memory(e, "the picture (output.sampling)", 8.0 * (double)(n * nb));
-  }
-  for (int i = 0; i < c->mesh->n_element; i++) {
-    int side = steps_of(c, i) + 1;
-    first[i] = at;
-    count[i] = side * side;
-    at += count[i];
-  }
-  move_inside(sites, p->n_point);
-  struct rad_element_points points = {first, count, sites->base, (const double(*)[2])sites->mu};
-  struct rad_point_list list = {(int)p->n_point, sites->triangle, sites->base, points.mu};
-  enum rad_code code = rad_irradiance_on(c->mesh, &c->rules, &points, at, (int)nb, c->u, h, e);
-  for (size_t b = 0; b < nb && !code; b++)
-    for (size_t i = 0; i < n; i++)
-      p->irradiance[i * nb + b] = h[b * n + i];
-  if (!code)
-    rad_iterated(&c->scene, &list, p->irradiance, p->radiosity);
-  free(first);
-  free(h);
-  return code;
-}
-
-enum rad_code rad_case_picture(const struct rad_case *c, struct rad_picture *p,
-                               struct rad_error *e) {
-  size_t points = 0, cells = 0, corners = 0, nb = (size_t)c->scene.n_band;
-  for (int i = 0; i < c->mesh->n_element; i++) {
-    size_t s = (size_t)steps_of(c, i), own = cells_of(c, i);
-    points += (s + 1) * (s + 1);
-    cells += own;
-    corners += own == s * s ? 4 * own : (s + 1) * (s + 1);
-  }
   *p = (struct rad_picture){.point = rad_alloc(points, 3 * sizeof(double)),
                             .connectivity = rad_alloc(corners, sizeof(int64_t)),
                             .offset = rad_calloc(cells + 1, sizeof(int64_t)),
                             .type = rad_alloc(cells, 1),
                             .triangle = rad_alloc(cells, sizeof(int)),
                             .radiosity = rad_alloc(points * nb, sizeof(double)),
-                            .irradiance = rad_alloc(points * nb, sizeof(double))};
-  struct sites sites = {rad_alloc(points, sizeof(int)), rad_alloc(points, sizeof(int)),
-                        rad_alloc(points, sizeof *sites.mu)};
+                            .irradiance = rad_alloc(points * nb, sizeof(double)),
+                            .indicator = c->has_bound ? rad_alloc(cells, sizeof(double)) : NULL,
+                            .bound = c->has_bound ? rad_alloc(cells, sizeof(double)) : NULL};
+  int64_t *number = rad_alloc(points, sizeof *number);
   enum rad_code code = RAD_OK;
-  if (!p->point || !p->connectivity || !p->offset || !p->type || !p->triangle || !p->radiosity ||
-      !p->irradiance || !sites.triangle || !sites.base || !sites.mu)
+  if (!number || !p->point || !p->connectivity || !p->offset || !p->type || !p->triangle ||
+      !p->radiosity || !p->irradiance || (c->has_bound && (!p->indicator || !p->bound))) {
     code = rad_fail_memory(e, "the picture (output.sampling)",
-                           (double)points * (48 + 16.0 * (double)nb));
-  for (int i = 0; i < c->mesh->n_element && !code; i++)
-    picture_element(c, i, p, &sites);
-  if (!code && c->has_bound)
-    code = use_iterated(c, p, &sites, e);
-  if (!code && c->has_bound)
-    code = add_estimates(c, p, e);
-  free(sites.triangle);
-  free(sites.base);
-  free(sites.mu);
+                           (double)points * (56 + 16.0 * (double)nb));
+  } else {
+    add_cells(canvas, first, p);
+    keep_used(canvas, number, p);
+  }
+  free(number);
+  return code;
+}
+
+enum rad_code rad_case_picture(const struct rad_case *c, struct rad_picture *p,
+                               struct rad_error *e) {
+  struct rad_canvas canvas;
+  int64_t *first = rad_alloc((size_t)c->mesh->n_element, sizeof *first);
+  enum rad_code code = rad_canvas_begin(c, &canvas, e);
+  if (!code && !first)
+    code = rad_fail_memory(e, "the picture (output.sampling)", 8.0 * c->mesh->n_element);
+  if (!code)
+    code = rad_canvas_fill(&canvas, first, e);
+  if (!code)
+    code = collect(&canvas, first, p, e);
+  rad_canvas_free(&canvas);
+  free(first);
   return code;
 }

@@ -9,9 +9,22 @@
 #include "base/vec.h"
 #include "scene/heat.h"
 
-/* Smallest barycentric coordinate of a probe: on an edge it means the limit from inside the face.
- */
-#define INSIDE 1e-12
+/* A weight below this is rounding: the point is on the edge. */
+#define ON_EDGE 1e-12
+
+/* Part of a point's way along an edge that it is moved by. Ends of elements of the next face lie
+ * exactly there where points are asked for, and each of the two elements that meet in one sees it
+ * displaced by its own rounding, 1e-16, which must not matter; what light changes on the way does
+ * not. */
+#define ASIDE 1e-13
+
+void rad_place_limit(double mu[2]) {
+  for (int d = 0; d < 2; d++)
+    mu[d] = fmax(mu[d], RAD_LIMIT);
+  for (int d = 0; d < 2; d++)
+    if (mu[d] <= RAD_LIMIT && mu[!d] > RAD_LIMIT)
+      mu[!d] *= 1 - ASIDE;
+}
 
 struct rad_place rad_place_weighted(int triangle, const double weight[3]) {
   struct rad_place p = {.triangle = triangle};
@@ -19,8 +32,11 @@ struct rad_place rad_place_weighted(int triangle, const double weight[3]) {
     p.base = weight[c] > weight[p.base] ? c : p.base;
     p.off = fmax(p.off, -weight[c]);
   }
-  p.mu[0] = fmax(weight[(p.base + 1) % 3], INSIDE);
-  p.mu[1] = fmax(weight[(p.base + 2) % 3], INSIDE);
+  for (int d = 0; d < 2; d++) {
+    double w = weight[(p.base + 1 + d) % 3];
+    p.mu[d] = w > ON_EDGE ? w : 0;
+  }
+  rad_place_limit(p.mu);
   return p;
 }
 

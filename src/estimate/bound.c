@@ -14,13 +14,18 @@ double rad_safety(const struct rad_scene *s) {
   return s->visibility->n_partly > 0 ? SAFETY_SHADED : SAFETY;
 }
 
-void rad_set_bound(struct rad_adaptive *a) {
+/* What integrals, compression and solver add at every point, over max |u|. */
+static double rest_of(const struct rad_adaptive *a) {
   double least = INFINITY;
   for (int b = 0; b < a->layout.scene->n_band; b++)
     if (a->indicator.scale[b] > 0)
       least = fmin(least, a->indicator.scale[b]);
   double residual = isinf(least) ? 0 : a->report.residual / least;
-  double rest = 3 * a->quadrature + a->h2.error + residual, norm = fmax(a->report.inverse_norm, 1);
+  return 3 * a->quadrature + a->h2.error + residual;
+}
+
+void rad_set_bound(struct rad_adaptive *a) {
+  double rest = rest_of(a), norm = fmax(a->report.inverse_norm, 1);
   double safety = rad_safety(a->layout.scene);
   double unseen = a->indicator.worst_unseen;
   a->bound = (safety * (a->indicator.worst + unseen) + rest) * norm;
@@ -40,34 +45,39 @@ double rad_reflects(const struct rad_adaptive *a, int triangle) {
 }
 
 enum rad_code rad_set_element_bound(struct rad_adaptive *a, struct rad_error *e) {
-  size_t n = (size_t)a->mesh->n_point;
+  size_t n = (size_t)a->mesh->n_point, nb = (size_t)a->layout.scene->n_band;
   struct rad_operator k = rad_adaptive_operator(a);
-  double *right = rad_alloc(n, sizeof(double)), *z = rad_alloc(n, sizeof(double));
+  double *right = rad_alloc(n, sizeof(double));
+  a->source = rad_alloc((size_t)a->mesh->n_element, sizeof(double));
+  a->z = rad_alloc(n * nb, sizeof(double));
   a->element_bound = rad_calloc((size_t)a->mesh->n_element, sizeof(double));
   enum rad_code code = RAD_OK;
-  if (!right || !z || !a->element_bound)
-    code = rad_fail_memory(e, "the error bound", 16.0 * (double)n);
-  for (int b = 0; b < a->layout.scene->n_band && !code; b++) {
-    for (int i = 0; i < a->mesh->n_element; i++) {
-      const struct rad_element *el = &a->mesh->element[i];
-      int t = rad_element_triangle(a->mesh, i);
-      double found = a->indicator.local[i] + a->indicator.unseen[t];
-      double rest = rad_reflects(a, t) * (3 * a->quadrature + a->h2.error);
-      for (int f = 0; f < el->n_function; f++)
-        right[el->first + f] = rad_safety(a->layout.scene) * found + rest;
-    }
+  if (!right || !a->source || !a->z || !a->element_bound)
+    code = rad_fail_memory(e, "the error bound", 8.0 * (double)(n + n * nb));
+  for (int i = 0; i < a->mesh->n_element && !code; i++) {
+    const struct rad_element *el = &a->mesh->element[i];
+    int t = rad_element_triangle(a->mesh, i);
+    double found = a->indicator.local_limit[i] + a->indicator.unseen[t];
+    a->source[i] = rad_safety(a->layout.scene) * found + rest_of(a);
+    for (int f = 0; f < el->n_function; f++)
+      right[el->first + f] = rad_safety(a->layout.scene) * found + rad_reflects(a, t) * rest_of(a);
+  }
+  for (size_t b = 0; b < nb && !code; b++) {
+    double *z = a->z + b * n;
     struct rad_linear system = {
-        .rho = a->rho + (size_t)b * n, .emission = right, .u = z, .tolerance = 1e-6};
+        .rho = a->rho + b * n, .emission = right, .u = z, .tolerance = 1e-6};
     code = rad_gmres(&k, 1, &system, e);
-    int is_known = code != RAD_ENUMERIC; /* else the bound of all elements is that of each */
-    code = is_known ? code : RAD_OK;
+    if (code == RAD_ENUMERIC) { /* the bound of all elements is that of each */
+      code = RAD_OK;
+      for (size_t i = 0; i < n; i++)
+        z[i] = a->bound_limit;
+    }
     for (int i = 0; i < a->mesh->n_element && !code; i++) {
       const struct rad_element *el = &a->mesh->element[i];
       for (int f = 0; f < el->n_function; f++)
-        a->element_bound[i] = fmax(a->element_bound[i], is_known ? z[el->first + f] : a->bound);
+        a->element_bound[i] = fmax(a->element_bound[i], z[el->first + f]);
     }
   }
   free(right);
-  free(z);
   return code;
 }

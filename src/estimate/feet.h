@@ -27,6 +27,7 @@ struct rad_foot {
   double mu[2], phi, r, x[3];
   double width;  /* [m] */
   double effect; /* of its gap on rho K d, over scale; set by rad_feet_gaps */
+  double missed; /* irradiance there that the samples do not show [W/m2]; the same */
 };
 
 struct rad_feet {
@@ -62,7 +63,7 @@ int rad_feet_walk(const struct rad_mesh *mesh, int feature, double from, double 
  * @param[in]  star,d  [n_band, fine->n_point] u*, and u* - u_h over scale
  * @param[in]  scale   [n_band]
  * @param[in]  weight  [n_triangle, n_band] of K d
- * @param      feet    their effects are set
+ * @param      feet    their effects, and what is missed, are set
  * @param[out] received  [n_triangle, n_band] most that all gaps together do to K d on a triangle
  */
 enum rad_code rad_feet_gaps(const struct rad_mesh *mesh, const struct rad_mesh *fine,

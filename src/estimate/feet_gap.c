@@ -43,20 +43,24 @@ static double seen(const struct rad_element *el, const double *d) {
 }
 
 /* (6.10): |u* - its interpolant| over scale, as far as it is more than the samples of the element
- * see of d anyway; value: u*, then the gaps. */
+ * see of d anyway; value: u*, then the gaps. In terms of the irradiance, whole: `missed`. */
 static void set_gaps(const struct rad_mesh *fine, const double *star, const double *d,
-                     const double *scale, const struct rad_feet *feet, double *value) {
+                     const double *scale, struct rad_feet *feet, double *value) {
   size_t nb = (size_t)fine->scene->n_band;
   double basis[RAD_GAUSS_MAX * RAD_GAUSS_MAX];
   for (int i = 0; i < feet->n_foot; i++) {
-    const struct rad_foot *f = &feet->foot[i];
+    struct rad_foot *f = &feet->foot[i];
     const struct rad_element *el = &fine->element[f->element];
+    const double *rho = fine->scene->rho + (size_t)rad_element_triangle(fine, f->element) * nb;
+    f->missed = 0;
     rad_element_basis(fine, f->element, f->phi, f->r, basis);
     for (size_t b = 0; b < nb; b++) {
       double sum = 0, *gap = &value[(size_t)i * nb + b];
       const double *at = star + b * (size_t)fine->n_point + el->first;
       for (int q = 0; q < el->n_function; q++)
         sum += basis[q] * at[q];
+      if (rho[b] > 0)
+        f->missed = fmax(f->missed, fabs(*gap - sum) / rho[b]);
       double rest = scale[b] > 0 ? fabs(*gap - sum) / scale[b] : 0;
       *gap = fmax(rest - seen(el, d + b * (size_t)fine->n_point), 0);
     }

@@ -239,6 +239,7 @@ static enum rad_code gather(struct work *w, struct rad_error *e) {
       if (!isfinite(one))
         return rad_fail_integral(w->mesh->scene, triangle, e);
       x->limit = fmax(x->limit, one);
+      x->local_limit[i] = fmax(x->local_limit[i], one);
       if (c->limit[q])
         continue;
       keep_received(w, i, q);
@@ -285,14 +286,15 @@ static enum rad_code look_below(struct work *w, const struct rad_rules *rules, c
 
 static enum rad_code allocate(struct rad_indicator *x, int n_element, int n_triangle, int n_band,
                               struct rad_error *e) {
-  double **list[] = {&x->local, &x->part, &x->tail_phi, &x->tail_r, &x->rate_phi, &x->rate_r};
+  double **list[] = {&x->local,  &x->local_limit, &x->part,  &x->tail_phi,
+                     &x->tail_r, &x->rate_phi,    &x->rate_r};
   int failed = !(x->scale = rad_calloc((size_t)n_band, sizeof(double)));
   failed |= !(x->unseen = rad_calloc((size_t)n_triangle, sizeof(double)));
   failed |= !(x->unseen_received = rad_calloc((size_t)n_triangle * (size_t)n_band, sizeof(double)));
   failed |= !(x->received = rad_calloc((size_t)n_element * (size_t)n_band, sizeof(double)));
-  for (int i = 0; i < 6; i++)
+  for (int i = 0; i < 7; i++)
     failed |= !(*list[i] = rad_calloc((size_t)n_element, sizeof(double)));
-  return failed ? rad_fail_memory(e, "the error estimate", 48.0 * n_element) : RAD_OK;
+  return failed ? rad_fail_memory(e, "the error estimate", 56.0 * n_element) : RAD_OK;
 }
 
 double rad_indicator_scale(const struct rad_indicator *x, int n_band) {
@@ -311,6 +313,7 @@ void rad_indicator_free(struct rad_indicator *x) {
   free(x->unseen);
   free(x->scale);
   free(x->local);
+  free(x->local_limit);
   free(x->part);
   free(x->tail_phi);
   free(x->tail_r);

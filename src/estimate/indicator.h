@@ -21,6 +21,7 @@ struct rad_indicator {
   double spread; /* at the worst points: most of sum |parts of the elements| over the largest */
   double change; /* max |d| / scale */
   double *local; /* owned [n_element] max of |rho K d| / scale at the element's check points */
+  double *local_limit; /* owned [n_element] the same with the limits at edges and vertices */
   double *part; /* owned [n_element] max over check points of |rho K d_e| / scale, weighed as wanted
                  */
   double *tail_phi,

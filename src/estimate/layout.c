@@ -147,6 +147,19 @@ static enum rad_code add_six(struct rad_layout *l, int t, const struct rad_expon
   return code;
 }
 
+/* True if a triangle sees one that it touches: what that sends depends on the direction from their
+ * common vertices. */
+static int touched(const struct rad_scene *s, const unsigned char *sees, int t) {
+  const int *v = s->triangle[t].vertex;
+  for (int j = 0; j < s->n_triangle; j++)
+    for (int c = 0; c < 3 && sees[(size_t)t * (size_t)s->n_triangle + (size_t)j]; c++) {
+      int vertex = s->triangle[j].vertex[c];
+      if (vertex == v[0] || vertex == v[1] || vertex == v[2])
+        return 1;
+    }
+  return 0;
+}
+
 static int singular(const struct rad_exponents *x, int t) {
   for (int c = 0; c < 3; c++)
     if (x->beta[t][c] < 1 || x->alpha[t][c] < 1)
@@ -166,7 +179,8 @@ static enum rad_code add_triangle(struct rad_layout *l, int t, const unsigned ch
                                                     : RAD_ACTIVE;
   if (l->passive[t])
     return add_plain(l, t, constant(s, t) ? 1 : 2, e);
-  return singular(x, t) ? add_six(l, t, x, tolerance, e) : add_plain(l, t, 3, e);
+  return singular(x, t) || touched(s, sees, t) ? add_six(l, t, x, tolerance, e)
+                                               : add_plain(l, t, 3, e);
 }
 
 static enum rad_code allocate(struct rad_layout *l, struct rad_error *e) {

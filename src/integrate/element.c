@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/memory.h"
 #include "base/stop.h"
@@ -10,6 +11,7 @@
 #include "integrate/far.h"
 #include "integrate/near.h"
 #include "integrate/strips.h"
+#include "integrate/turn.h"
 #include "visibility/facing.h"
 #include "visibility/irradiance.h"
 
@@ -305,13 +307,65 @@ static void begin(const struct rad_mesh *mesh, const struct rad_targets *targets
                              targets->base, targets->mu, &s->shade);
 }
 
+/* Elements of one patch, with their columns. */
+static void list_block(const struct rad_mesh *mesh, const struct rad_rules *rules,
+                       const struct rad_targets *targets, int n, const int *element,
+                       const int64_t *column, double *k, int64_t ld, struct rad_scratch *s) {
+  struct scene_of_batch b;
+  begin(mesh, targets, mesh->element[element[0]].patch, &b, s);
+  for (int i = 0; i < n && !rad_stop_asked(); i++)
+    element_block(mesh, rules, element[i], &b.view, targets->triangle, b.across, b.shaded,
+                  k + ld * column[i], ld, s);
+}
+
+/* A whole triangle for targets that touch it, by the vertex that they are near; k: its first
+ * column. */
+static void touched_block(const struct rad_mesh *mesh, const struct rad_rules *rules,
+                          const struct rad_targets *targets, int element, double *k, int64_t ld,
+                          struct rad_scratch *s) {
+  static const int64_t zero = 0;
+  const int patch = mesh->element[element].patch, n_function = mesh->element[element].n_function;
+  for (int base = 0; base < 3; base++) {
+    int row[RAD_BATCH], of[RAD_BATCH];
+    double mu[RAD_BATCH][2], value[4 * RAD_BATCH];
+    struct rad_targets some = {targets->triangle, 0, of, (const double(*)[2])mu, row};
+    struct rad_turn turn;
+    for (int i = 0; i < targets->n; i++)
+      if (targets->base[i] == base) {
+        memcpy(mu[some.n], targets->mu[i], sizeof mu[0]);
+        of[some.n] = base;
+        row[some.n++] = targets->row ? targets->row[i] : i;
+      }
+    if (some.n == 0)
+      continue;
+    if (!rad_turn_set(mesh, rules, targets->triangle, base, patch, &turn)) {
+      list_block(mesh, rules, &some, 1, &element, &zero, k, ld, s);
+      continue;
+    }
+    some.row = NULL;
+    list_block(&turn.mesh, &turn.rules, &some, 1, turn.zero, &zero, value, RAD_BATCH, s);
+    for (int f = 0; f < n_function; f++)
+      for (int i = 0; i < some.n; i++) {
+        double sum = 0;
+        for (int g = 0; g < n_function; g++)
+          sum += value[g * RAD_BATCH + i] * turn.value[g][f];
+        k[row[i] + ld * f] = sum;
+      }
+  }
+}
+
 void rad_patch_block(const struct rad_mesh *mesh, const struct rad_rules *rules,
                      const struct rad_targets *targets, int patch, const unsigned char *wanted,
                      double *k, int64_t ld, struct rad_scratch *s) {
+  const int first = mesh->element_first[patch];
   struct scene_of_batch b;
+  if (rad_turn_wanted(mesh, targets->triangle, patch)) {
+    if (!wanted || wanted[first])
+      touched_block(mesh, rules, targets, first, k + ld * mesh->element[first].first, ld, s);
+    return;
+  }
   begin(mesh, targets, patch, &b, s);
-  for (int i = mesh->element_first[patch]; i < mesh->element_first[patch + 1] && !rad_stop_asked();
-       i++)
+  for (int i = first; i < mesh->element_first[patch + 1] && !rad_stop_asked(); i++)
     if (!wanted || wanted[i])
       element_block(mesh, rules, i, &b.view, targets->triangle, b.across, b.shaded,
                     k + ld * mesh->element[i].first, ld, s);
@@ -320,9 +374,8 @@ void rad_patch_block(const struct rad_mesh *mesh, const struct rad_rules *rules,
 void rad_element_list_block(const struct rad_mesh *mesh, const struct rad_rules *rules,
                             const struct rad_targets *targets, int n, const int *element,
                             const int64_t *column, double *k, int64_t ld, struct rad_scratch *s) {
-  struct scene_of_batch b;
-  begin(mesh, targets, mesh->element[element[0]].patch, &b, s);
-  for (int i = 0; i < n && !rad_stop_asked(); i++)
-    element_block(mesh, rules, element[i], &b.view, targets->triangle, b.across, b.shaded,
-                  k + ld * column[i], ld, s);
+  if (rad_turn_wanted(mesh, targets->triangle, mesh->element[element[0]].patch))
+    touched_block(mesh, rules, targets, element[0], k + ld * column[0], ld, s);
+  else
+    list_block(mesh, rules, targets, n, element, column, k, ld, s);
 }

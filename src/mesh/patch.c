@@ -90,11 +90,23 @@ void rad_patch_plain(const struct rad_scene *scene, int triangle, const double c
   set_frame(tri, p);
 }
 
+void rad_patch_from(const struct rad_scene *scene, int triangle, int vertex, int toward,
+                    struct rad_patch *p) {
+  const struct rad_triangle *tri = &scene->triangle[triangle];
+  int back = toward != (vertex + 1) % 3;
+  *p = (struct rad_patch){.triangle = triangle,
+                          .corner = tri->vertex[vertex],
+                          .toward = tri->vertex[toward],
+                          .base = vertex,
+                          .angle = RAD_ANGLE_DUFFY};
+  p->mu_a[back] = 1;
+  p->mu_b[back] = -1;
+  p->mu_b[!back] = 1;
+  set_frame(tri, p);
+}
+
 void rad_patch_whole(const struct rad_scene *scene, int triangle, struct rad_patch *p) {
-  static const double corner[3][2] = {{0, 0}, {1, 0}, {0, 1}};
-  rad_patch_plain(scene, triangle, corner, p);
-  p->corner = scene->triangle[triangle].vertex[0];
-  p->toward = scene->triangle[triangle].vertex[1];
+  rad_patch_from(scene, triangle, 0, 1, p);
 }
 
 void rad_patch_mu(const struct rad_patch *p, double phi, double r, double mu[2]) {

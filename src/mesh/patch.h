@@ -40,7 +40,12 @@ void rad_patch_sub_triangle(const struct rad_scene *scene, int triangle, int sub
 void rad_patch_plain(const struct rad_scene *scene, int triangle, const double corner[3][2],
                      struct rad_patch *patch);
 
-/* A whole triangle from its vertex 0, which counts as corner, the edge to vertex 1 as side. */
+/* A whole triangle from one of its vertices, which counts as corner, the edge to another as side.
+ */
+void rad_patch_from(const struct rad_scene *scene, int triangle, int vertex, int toward,
+                    struct rad_patch *patch);
+
+/* The same from vertex 0 towards vertex 1. */
 void rad_patch_whole(const struct rad_scene *scene, int triangle, struct rad_patch *patch);
 
 /* t(phi) (2.2) and its inverse and derivative. */
