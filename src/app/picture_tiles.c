@@ -8,10 +8,13 @@
 /* VTK's limit on the order of its Lagrange cells. */
 enum { MOST_ORDER = 10 };
 
-/* Corners, interpolated, show what is there to this part of the face's largest irradiance; on faces
- * whose light the mesh follows, and in every point costs time, coarser. */
+/* Corners, interpolated, show samples to this part of the face's largest irradiance; and what u_h
+ * knows, which is everywhere, a little coarser, for the sake of time. */
 #define SHOWN 0.02
-#define SHOWN_ACTIVE 0.05
+#define SHOWN_KNOWN 0.05
+
+/* A foot where the samples of the estimate miss less than this part is left to what u_h knows. */
+#define MISSED 0.1
 
 /* Halvings where nothing is near, as at vertices in which faces of different light meet, and beyond
  * what holds a foot: what happens there reaches a few times as far as it is wide. */
@@ -99,40 +102,44 @@ static int is_missed(const struct rad_canvas *p, const struct rad_tile *t, int64
   inside(p, t, &p->dot[dot], at);
   const double weight[4] = {(1 - at[0]) * (1 - at[1]), at[0] * (1 - at[1]), at[0] * at[1],
                             (1 - at[0]) * at[1]};
-  double part = passive(p->c, t->element) == RAD_BLACK ? SHOWN : SHOWN_ACTIVE;
   for (int b = 0; b < nb; b++) {
     double shown = 0;
     for (int k = 0; k < 4; k++)
       shown += weight[k] * p->value[t->corner[k] * p->width + b];
-    if (fabs(p->value[dot * p->width + b] - shown) > part * most[triangle * nb + b])
+    if (fabs(p->value[dot * p->width + b] - shown) > SHOWN * most[triangle * nb + b])
       return 1;
   }
   return 0;
 }
 
-/* h of the collocation points at the middle of a tile less what its corners show, for one band. */
+/* h of the collocation points in the middle of a tile and of its sides, less what its corners show
+ * there, the largest, for one band. */
 static double bend(const struct rad_canvas *p, const struct rad_tile *t, int band) {
   const struct rad_case *c = p->c;
   const struct rad_element *e = &c->mesh->element[t->element];
+  const double *h = c->h + (size_t)band * (size_t)c->mesh->n_point + e->first;
   int n = 2 * rad_picture_steps(c, t->element) << t->level;
-  static const int place[5][2] = {{1, 1}, {0, 0}, {2, 0}, {2, 2}, {0, 2}};
-  double value[5], basis[RAD_GAUSS_MAX * RAD_GAUSS_MAX];
-  for (int k = 0; k < 5; k++) {
-    double sigma = part_of(e->sigma, 2 * t->i + place[k][0], n);
-    double tau = part_of(e->tau, 2 * t->j + place[k][1], n);
+  double v[3][3], basis[RAD_GAUSS_MAX * RAD_GAUSS_MAX], most = 0;
+  for (int k = 0; k < 9; k++) {
+    int i = k % 3, j = k / 3;
+    double sigma = part_of(e->sigma, 2 * t->i + i, n), tau = part_of(e->tau, 2 * t->j + j, n);
     rad_element_basis(c->mesh, t->element, pow(sigma, e->p_phi), pow(tau, e->p_r), basis);
-    value[k] = 0;
+    v[j][i] = 0;
     for (int f = 0; f < e->n_function; f++)
-      value[k] += basis[f] * c->h[(size_t)band * (size_t)c->mesh->n_point + (size_t)(e->first + f)];
+      v[j][i] += basis[f] * h[f];
   }
-  return value[0] - 0.25 * (value[1] + value[2] + value[3] + value[4]);
+  for (int k = 0; k < 3; k += 2) {
+    most = fmax(most, fabs(v[k][1] - 0.5 * (v[k][0] + v[k][2])));
+    most = fmax(most, fabs(v[1][k] - 0.5 * (v[0][k] + v[2][k])));
+  }
+  return fmax(most, fabs(v[1][1] - 0.25 * (v[0][0] + v[0][2] + v[2][0] + v[2][2])));
 }
 
 /* True if the mesh knows of more in a tile than its corners show. */
 static int is_bent(const struct rad_canvas *p, const struct rad_tile *t, const double *most) {
   int nb = p->c->scene.n_band, triangle = rad_element_triangle(p->c->mesh, t->element);
   for (int b = 0; b < nb; b++)
-    if (fabs(bend(p, t, b)) > SHOWN_ACTIVE * most[triangle * nb + b])
+    if (bend(p, t, b) > SHOWN_KNOWN * most[triangle * nb + b])
       return 1;
   return 0;
 }
@@ -208,8 +215,7 @@ static enum rad_code feet_find(const struct rad_case *c, struct feet *f, struct 
     f->head[i] = -1;
   for (int i = 0; i < n; i++) {
     f->foot[i] = i < n_known ? &known->foot[i] : &f->black.foot[i - n_known];
-    if (i < n_known &&
-        known->foot[i].missed <= SHOWN_ACTIVE * largest_known(c, known->foot[i].element))
+    if (i < n_known && known->foot[i].missed <= MISSED * largest_known(c, known->foot[i].element))
       continue;
     f->next[i] = f->head[f->foot[i]->element];
     f->head[f->foot[i]->element] = i;
@@ -252,14 +258,14 @@ static int add_foot(struct rad_canvas *p, int element, int64_t tile, const struc
   return add_sample(p, t, rad_canvas_add(p, element, sigma, tau));
 }
 
-/* Samples of an element: its feet, and middles of the tiles that have some, or of all on a black
- * face. */
+/* Samples of an element: its feet; and the middles of its tiles, on a black face or if there are
+ * feet: then u_h, which only needs to be right where it matters for others, is no guide. */
 static int add_samples(struct rad_canvas *p, int element, int64_t tile, const struct feet *feet) {
   int done = 1;
   for (int f = feet->head[element]; f >= 0 && done; f = feet->next[f])
     done = add_foot(p, element, tile, feet->foot[f]);
   for (int64_t t = tile; t < p->n_tile && done; t++) {
-    if (passive(p->c, element) == RAD_BLACK)
+    if (passive(p->c, element) == RAD_BLACK || feet->head[element] >= 0)
       done = add_middle(p, &p->tile[t]);
     p->tile[t].is_open = 1;
   }
@@ -270,9 +276,7 @@ static int add_samples(struct rad_canvas *p, int element, int64_t tile, const st
 
 /* True if a sample of a tile is not its middle. */
 static int has_foot(const struct rad_canvas *p, const struct rad_tile *t) {
-  int is_last = t->sample >= 0 && p->sample[t->sample].next < 0;
-  int has_middle = passive(p->c, t->element) == RAD_BLACK || t->level > 0;
-  return t->sample >= 0 && !(is_last && has_middle);
+  return t->sample >= 0 && p->sample[t->sample].next >= 0;
 }
 
 /* The four tiles of one, in `four`; the samples go to them. 0 without memory. */
