@@ -171,8 +171,9 @@ POLYRAD_API polyrad_status polyrad_surface_heat(polyrad *p, double *net_flux, do
  * View factors between surfaces: the share of what leaves s evenly that arrives at t. Needs no
  * solution.
  *
- * @param[in]  tolerance  absolute; 0: 1e-6
- * @param[out] factor     [n_surface, n_surface] row s, column t
+ * @param[in]  tolerance  absolute, of each factor and each row sum; 0: 1e-6
+ * @param[out] factor     [n_surface, n_surface] row s, column t; with POLYRAD_NUMERIC the best
+ * there is: polyrad_error_text says how wrong it may be
  */
 POLYRAD_API polyrad_status polyrad_view_factors(polyrad *p, double tolerance, double *factor);
 

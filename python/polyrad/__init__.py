@@ -77,6 +77,7 @@ class Error(RuntimeError):
     def __init__(self, status, text):
         super().__init__(text)
         self.status = status
+        self.best = None
 
 
 MAX_BAND, MAX_INT = 16, 2**31 - 1
@@ -285,7 +286,13 @@ class Scene:
         return q, t
 
     def view_factors(self, tolerance=0):
-        """[surfaces, surfaces]: the share of what leaves row s that arrives at column t."""
+        """[surfaces, surfaces]: the share of what leaves row s that arrives at column t.
+
+        If the tolerance is not met, Error.best is the best matrix there is."""
         f = np.empty((self.n_surface, self.n_surface))
-        self._call(_lib.polyrad_view_factors, float(tolerance), _pointer(f))
+        try:
+            self._call(_lib.polyrad_view_factors, float(tolerance), _pointer(f))
+        except Error as e:
+            e.best = f if e.status == 1 else None
+            raise
         return f

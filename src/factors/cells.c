@@ -12,16 +12,13 @@
 #include "factors/skew.h"
 #include "factors/triangle_rule.h"
 
-#define ROUGH 1e-2  /* goal of an exchange that only bounds */
-#define EXACT 1e-11 /* goal of one that is a value */
-#define SAFETY 3.0  /* of the difference of two rules where F is analytic */
-#define HINGES                                                                                     \
-  0.15                  /* of what three edges in a ray may change: it sets in like a square, in a \
-                           triangle that is half of the part where they may meet */
-#define LUCK 0.05       /* rules that agree to less of the curvature do so by chance */
-#define LUCK_AGAIN 0.01 /* the same of the error before */
-#define GAIN 0.2        /* a higher rule is worth it if the last one gained this */
-#define LIMIT 200000    /* points of a task */
+#define ROUGH 1e-2        /* goal of an exchange that only bounds */
+#define EXACT 1e-11       /* goal of one that is a value */
+#define SAFETY 3.0        /* of the difference of two rules where F is analytic */
+#define LUCK 0.05         /* rules that agree to less of the curvature do so by chance */
+#define LUCK_AGAIN 0.01   /* the same of the error before */
+#define GAIN 0.2          /* a higher rule is worth it if the last one gained this */
+#define LIMIT 200000      /* points of a task */
 #define LEAST_PIECE 1e-13 /* of a cell's area */
 enum { RULE_LOW = 1, RULE_FIRST = 3, MOST_DEPTH = 40 };
 
@@ -275,7 +272,7 @@ static void partly_seen(struct rad_cell_scratch *s, const struct rad_cell_task *
              : rad_critical_far(&s->pair, flat, &critical) ? SMOOTH
                                                            : SPLIT;
   if (c->state == SMOOTH && critical.skew)
-    c->skew = HINGES * rad_skew_bound(&s->pair, flat, shaft, &critical, range.high);
+    c->skew = rad_skew_bound(&s->pair, flat, shaft, &critical, range.high);
   by_rules(s, t, c, &range, area, at);
 }
 

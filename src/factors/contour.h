@@ -9,7 +9,7 @@
  * A_P F_PQ = int_P int_Q G dS dS of polygons that see all of each other and are in front of each
  * other:
  *
- *   A_P F_PQ = 1/(2 pi) sum_e sum_f (e.f) int_e int_f ln |x - y| ds dt (theory 12.1)
+ *   A_P F_PQ = 1/(2 pi) sum_e sum_f (e.f) int_e int_f ln |x - y| ds dt (theory 12.2)
  *
  * over the edges of P and Q, e.f the product of their directions. The integral over f is closed.
  * That over e is Gauss's with as many points as the nearest singularity of its integrand in the

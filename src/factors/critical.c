@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "factors/skew.h"
+
 #define ZERO 1e-10 /* of the pair's size: lines nearer than this to the border do not cross */
 #define SAME 1e-8  /* of the cell's size: lines that are one */
 #define SIDE 1e-9  /* sines that are none */
@@ -225,6 +227,21 @@ static void edges_and_target(struct search *s) {
     }
 }
 
+/* Two edges in one plane seem to be one where y crosses it, wherever their ends are. */
+static void common_plane(struct search *s, const struct rad_silhouette *x,
+                         const struct rad_silhouette *y) {
+  double u[3], v[3], w[3], normal[3], other[3], f[3];
+  rad_sub(x->q, x->p, u);
+  rad_sub(y->p, x->p, v);
+  rad_sub(y->q, x->p, w);
+  rad_cross(u, v, normal);
+  rad_cross(u, w, other);
+  if (rad_dot(other, other) > rad_dot(normal, normal))
+    memcpy(normal, other, sizeof normal);
+  if (rad_dot(normal, normal) > 0 && crosses(s, normal, x->p, f))
+    add_line(s, f);
+}
+
 static void edges_and_edges(struct search *s) {
   const struct rad_critical *c = s->c;
   for (int a = 0; a < c->n_edge; a++)
@@ -232,6 +249,10 @@ static void edges_and_edges(struct search *s) {
       const struct rad_silhouette *x = &c->edge[a], *y = &c->edge[b];
       if (x->plane == y->plane || rad_same_body(x, y))
         continue;
+      if (!rad_are_skew(x->p, x->q, y->p, y->q)) {
+        common_plane(s, x, y);
+        continue;
+      }
       for (int k = 0; k < 2; k++)
         if (y->vertex[k] != x->vertex[0] && y->vertex[k] != x->vertex[1])
           try_event(s, x->p, x->q, k ? y->q : y->p, 0);

@@ -8,6 +8,8 @@
 #define ROUGH 1e-2
 #define NOTHING 1e-24 /* of the square of the pair's size: an area */
 
+#define HINGES                                                                                     \
+  0.15 /* of a part: mean of a square over a triangle, a sixth to a half, in half of it */
 #define FLAT 1e-9 /* sine that is none */
 
 /* The target's plane. */
@@ -16,6 +18,7 @@ struct screen {
   double u[3], v[3];
   struct rad_polygon face;                      /* the target, counterclockwise */
   struct rad_polygon swept[RAD_MAX_SILHOUETTE]; /* where the shadow of an edge may be */
+  double along[RAD_MAX_SILHOUETTE][3][2]; /* its direction, from each corner of the cell; or 0 */
 };
 
 static void set_screen(const struct rad_pair *p, struct screen *s) {
@@ -74,11 +77,13 @@ static int clip_edge(const struct rad_shaft *shaft, double end[2][3]) {
 /* The hull of an edge's shadows from the cell's corners, within the target; all of the target where
  * the edge, within the shaft, reaches higher than one of them. */
 static void sweep(struct screen *s, const struct rad_flat *cell, const struct rad_shaft *shaft,
-                  const struct rad_silhouette *edge, struct rad_polygon *swept) {
+                  const struct rad_silhouette *edge, int e) {
+  struct rad_polygon *swept = &s->swept[e];
   double end[2][3], at[6][2], h[2];
   int n = 0;
   memcpy(end[0], edge->p, sizeof end[0]);
   memcpy(end[1], edge->q, sizeof end[1]);
+  memset(s->along[e], 0, sizeof s->along[e]);
   *swept = s->face;
   if (!clip_edge(shaft, end)) {
     swept->n = 0;
@@ -93,15 +98,16 @@ static void sweep(struct screen *s, const struct rad_flat *cell, const struct ra
     for (int k = 0; k < 2; k++)
       cast(s, cell->corner[m], hy, end[k], h[k], at[n++]);
   }
+  for (int m = 0; m < 3; m++)
+    for (int d = 0; d < 2; d++)
+      s->along[e][m][d] = at[2 * m + 1][d] - at[2 * m][d];
   rad_hull2(n, at, swept);
   if (swept->n < 3)
     swept->n = 0;
   rad_common(&s->face, swept);
 }
 
-/* True if two segments are not in one plane: only then may they seem to cross from other points
- * than those of that plane, which is a line on the cell, and have nothing in common. */
-static int are_skew(const double *p, const double *q, const double *a, const double *b) {
+int rad_are_skew(const double *p, const double *q, const double *a, const double *b) {
   double u[3], v[3], w[3], cross[3];
   rad_sub(q, p, u);
   rad_sub(b, a, v);
@@ -112,7 +118,7 @@ static int are_skew(const double *p, const double *q, const double *a, const dou
 }
 
 static int edges_are_skew(const struct rad_silhouette *a, const struct rad_silhouette *b) {
-  return are_skew(a->p, a->q, b->p, b->q);
+  return rad_are_skew(a->p, a->q, b->p, b->q);
 }
 
 /* True if a third edge may pass through the part: one of the target, or of another plane. */
@@ -123,7 +129,8 @@ static int third_edge(const struct screen *s, const struct rad_critical *c, int 
     const double *p = s->face.corner[k], *q = s->face.corner[k + 1 < s->face.n ? k + 1 : 0];
     double dx = q[0] - p[0], dy = q[1] - p[1], length = hypot(dx, dy);
     const double *v = s->p->face.corner[k], *w = s->p->face.corner[k + 1 < s->face.n ? k + 1 : 0];
-    if (!are_skew(c->edge[a].p, c->edge[a].q, v, w) || !are_skew(c->edge[b].p, c->edge[b].q, v, w))
+    if (!rad_are_skew(c->edge[a].p, c->edge[a].q, v, w) ||
+        !rad_are_skew(c->edge[b].p, c->edge[b].q, v, w))
       continue;
     for (int m = 0; m < part->n; m++)
       if (dx * (part->corner[m][1] - p[1]) - dy * (part->corner[m][0] - p[0]) <= zero * length)
@@ -156,13 +163,26 @@ static double sent(const struct screen *s, const struct rad_flat *cell,
   return value + error;
 }
 
+/* How much of the part may change: all of it if the shadows are nearly parallel, for the crossing
+ * runs through it at once; else it sets in like a square, in a triangle that is a half of it. */
+static double weight(const struct screen *s, int a, int b) {
+  double least = 1;
+  for (int m = 0; m < 3; m++) {
+    const double *u = s->along[a][m], *v = s->along[b][m];
+    double length = hypot(u[0], u[1]) * hypot(v[0], v[1]);
+    double sine = length > 0 ? fabs(u[0] * v[1] - u[1] * v[0]) / length : 0;
+    least = fmin(least, sine);
+  }
+  return least > HINGES ? HINGES / least : 1;
+}
+
 double rad_skew_bound(const struct rad_pair *p, const struct rad_flat *cell,
                       const struct rad_shaft *shaft, const struct rad_critical *c, double most) {
   struct screen s;
   double sum = 0;
   set_screen(p, &s);
   for (int e = 0; e < c->n_edge; e++)
-    sweep(&s, cell, shaft, &c->edge[e], &s.swept[e]);
+    sweep(&s, cell, shaft, &c->edge[e], e);
   for (int a = 0; a < c->n_edge; a++)
     for (int b = a + 1; b < c->n_edge && sum < most; b++) {
       struct rad_polygon part = s.swept[a];
@@ -172,7 +192,7 @@ double rad_skew_bound(const struct rad_pair *p, const struct rad_flat *cell,
       if (part.n < 3 || !(rad_polygon_area(&part) > NOTHING * p->size * p->size) ||
           !third_edge(&s, c, a, b, &part))
         continue;
-      sum += sent(&s, cell, &part);
+      sum += weight(&s, a, b) * sent(&s, cell, &part);
     }
   return fmin(sum, most);
 }

@@ -418,6 +418,69 @@ START_TEST(random_holes) {
 }
 END_TEST
 
+/* Two sheets with a slit each between unit plates: slits along or across one another. Up to 200
+ * pairs are integrated from both sides, and compute() fails where the two differ. Narrow slits
+ * across one another meet the limit. */
+static void slits(struct deck_text *d, double h, int across) {
+  double xs[4] = {-0.3, 0, 0, 1.3}, ys[2] = {-0.3, 1.3};
+  struct pair p = parallel(1, 1, 0, 0);
+  deck_begin(d);
+  for (int k = 0; k < 4; k++)
+    p.source[k][2] = h;
+  deck_polygon(d, "low", 4, (const double(*)[3])p.target, 0, 0);
+  deck_polygon(d, "high", 4, (const double(*)[3])p.source, 0, 1);
+  for (int sheet = 0; sheet < 2; sheet++) {
+    double z = h * (0.1 + 0.4 * drand48() + 0.4 * sheet), wide = pow(10, -3 + 2 * drand48());
+    xs[1] = 0.1 + 0.7 * drand48();
+    xs[2] = xs[1] + wide;
+    for (int side = 0; side < 2; side++) {
+      double a = xs[2 * side], b = xs[2 * side + 1];
+      if (across && sheet)
+        sheet_rectangle(d, ys[0], a, ys[1], b, z);
+      else
+        sheet_rectangle(d, a, ys[0], b, ys[1], z);
+    }
+  }
+}
+
+START_TEST(two_slits) {
+  struct deck_text *d = malloc(sizeof *d);
+  srand48(2003);
+  for (int run = 0; run < 16; run++) {
+    double last = INFINITY, h = pow(10, -1 + 1.3 * drand48()), value[2], error[2];
+    slits(d, h, run % 2);
+    for (int i = 0; i < 2; i++) {
+      struct rad_view_factors f;
+      compute(d, i ? 1e-4 : 1e-2, 0, &f);
+      ck_assert(f.converged || strstr(f.reason, "number of points"));
+      value[i] = f.matrix[1];
+      error[i] = f.error[1];
+      ck_assert(f.worst_error <= last && f.worst_reciprocity >= 0);
+      last = f.worst_error;
+      rad_view_factors_free(&f);
+    }
+    ck_assert_msg(fabs(value[0] - value[1]) <= error[0] + error[1],
+                  "slits, run %d: %.9g +- %.2g, %.9g +- %.2g", run, value[0], error[0], value[1],
+                  error[1]);
+  }
+  free(d);
+}
+END_TEST
+
+/* Triangles 2 and 24 differed by 1.5e-7 m2 from the two sides: at the foot of a box's corner an
+ * edge was taken for none. */
+START_TEST(cornell_box) {
+  struct rad_case c;
+  struct rad_error e;
+  struct rad_view_factors f;
+  ck_assert_int_eq(rad_case_prepare(POLYRAD_INPUTS "/cornell_box.yml", 0, NULL, NULL, &c, &e), 0);
+  ck_assert_msg(rad_view_factors(&c.scene, 1e-4, 0, &f, &e) == RAD_OK, "%s", e.text);
+  hold_matrix(&f);
+  rad_view_factors_free(&f);
+  rad_case_free(&c);
+}
+END_TEST
+
 /* The limit is of each pair, and a tighter tolerance goes on from where a looser one ends. */
 START_TEST(limits) {
   struct deck_text *d = malloc(sizeof *d);
@@ -479,6 +542,8 @@ int main(void) {
   tcase_add_test(c, kink);
   tcase_add_test(c, hole);
   tcase_add_test(c, random_holes);
+  tcase_add_test(c, two_slits);
+  tcase_add_test(c, cornell_box);
   tcase_add_test(c, limits);
   tcase_add_test(c, threads_do_not_matter);
   suite_add_tcase(s, c);

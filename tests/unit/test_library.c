@@ -161,6 +161,10 @@ START_TEST(shadow) {
   polyrad_evaluate(p, 1, at, middle, NULL, open);
   ck_assert_int_eq(polyrad_view_factors(p, 0, f), POLYRAD_OK);
   ck_assert(f[1] > 0.1 && fabs(f[1] - f[2]) < 2e-6 && f[0] == 0);
+  double best[4] = {-1, -1, -1, -1}; /* beyond rounding: the best there is, and a sentence */
+  ck_assert_int_eq(polyrad_view_factors(p, 1e-17, best), POLYRAD_NUMERIC);
+  ck_assert(strstr(polyrad_error_text(p), "have an error of"));
+  ck_assert(fabs(best[1] - f[1]) < 2e-6 && best[0] == 0);
   polyrad_free(p);
   scene.n_triangle = 4;
   scene.n_surface = 3;
