@@ -53,14 +53,25 @@ static void check_damaged(const char *name) {
                 "%s: %s", name, e.text);
 }
 
-/* Another value of n of a type, in its memory. */
-static void *another(hid_t type, size_t n, char *data) {
-  static const char *other = "another";
-  if (H5Tis_variable_str(type) > 0)
-    ((const char **)data)[n - 1] = other;
-  else
-    data[n * H5Tget_size(type) - 1] ^= 1; /* the last bit of the last value */
-  return data;
+/* Change the last of n values of a type; a text that was there is returned. */
+static char *change(hid_t type, size_t n, char *data) {
+  static char other[] = "another";
+  if (H5Tis_variable_str(type) <= 0) {
+    data[n * H5Tget_size(type) - 1] ^= 1;
+    return NULL;
+  }
+  char *before = ((char **)data)[n - 1];
+  ((char **)data)[n - 1] = other;
+  return before;
+}
+
+/* Free values that HDF5 read. */
+static void release(hid_t type, hid_t space, size_t n, char *data, char *before) {
+  if (H5Tis_variable_str(type) > 0) {
+    ((char **)data)[n - 1] = before;
+    H5Dvlen_reclaim(type, space, H5P_DEFAULT, data);
+  }
+  free(data);
 }
 
 static void change_dataset(hid_t file, const char *name) {
@@ -69,8 +80,9 @@ static void change_dataset(hid_t file, const char *name) {
   const size_t n = (size_t)H5Sget_simple_extent_npoints(space);
   char *data = calloc(n, H5Tget_size(type));
   ck_assert(H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0);
-  ck_assert(H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, another(type, n, data)) >= 0);
-  free(data); /* texts are left to the end of the process */
+  char *before = change(type, n, data);
+  ck_assert(H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0);
+  release(type, space, n, data, before);
   H5Sclose(space);
   H5Tclose(type);
   H5Dclose(set);
@@ -83,8 +95,9 @@ static void change_attribute(hid_t file, const char *object, const char *name) {
   const size_t n = (size_t)H5Sget_simple_extent_npoints(space);
   char *data = calloc(n, H5Tget_size(type));
   ck_assert(H5Aread(at, type, data) >= 0);
-  ck_assert(H5Awrite(at, type, another(type, n, data)) >= 0);
-  free(data);
+  char *before = change(type, n, data);
+  ck_assert(H5Awrite(at, type, data) >= 0);
+  release(type, space, n, data, before);
   H5Sclose(space);
   H5Tclose(type);
   H5Aclose(at);
