@@ -64,13 +64,13 @@ static enum rad_code refuse_unreached(const struct rad_case *c, struct rad_error
     return rad_fail(e, RAD_ENUMERIC,
                     "%s: error: the tolerance %.3g was not reached, the bound is %.2e: %s",
                     c->deck.path, c->tolerance, c->adaptive.bound, c->adaptive.reason);
-  if (c->has_bound && c->means.worst > c->tolerance)
+  if (c->is_adaptive && c->means.worst > c->tolerance) /* a mesh by hand is as it is: marked only */
     return rad_fail(e, RAD_ENUMERIC,
                     "%s: error: the tolerance %.3g was not reached by the mean over triangle %d "
                     "(%s), whose error is at most %.2e of the largest radiosity; %s",
                     c->deck.path, c->tolerance, c->means.worst_triangle + 1,
                     s->surface_name[s->triangle[c->means.worst_triangle].surface], c->means.worst,
-                    c->is_adaptive ? c->adaptive.reason : "give a finer mesh, or none");
+                    c->adaptive.reason);
   return RAD_OK;
 }
 
