@@ -58,8 +58,8 @@ static void set_diagnostics(const struct rad_case *c, struct rad_diagnostics *d)
                                 .iterations = c->report.iterations,
                                 .condition_estimate = c->report.condition_estimate,
                                 .converged = c->report.converged,
-                                .means_error = c->means.worst,
-                                .means_converged = c->means.worst <= c->tolerance,
+                                .means_error = c->means.n ? c->means.worst : NAN,
+                                .means_converged = c->means.n && c->means.worst <= c->tolerance,
                                 .matrix_bytes = c->plan.system.matrix_bytes,
                                 .peak_memory_bytes = rad_memory_peak(),
                                 .kernel_values = counters(c)->kernel_values,
@@ -96,8 +96,8 @@ enum rad_code rad_case_result(const struct rad_case *c, const char *command, str
                            .threads = omp_get_max_threads(),
                            .edge_exponent = exponents(c->adaptive.layout.exponents.beta),
                            .vertex_exponent = exponents(c->adaptive.layout.exponents.alpha),
-                           .means = &c->means,
-                           .balance = &c->balance};
+                           .means = c->means.n ? &c->means : NULL,
+                           .balance = c->means.n ? &c->balance : NULL};
   rad_progress_phase(c->scene.progress, "picture");
   enum rad_code code = rad_case_picture(c, &r->picture, e);
   if (!code)

@@ -203,12 +203,12 @@ static enum rad_code print_heat(const struct rad_case *c, FILE *out, FILE *log,
 }
 
 /* Light that the solution makes or loses is told from this part of the emission on. */
-#define IMBALANCE 0.01
+#define IMBALANCE 0.1
 
 static void warn_imbalance(const struct rad_case *c, const struct rad_balance *b, int k,
                            FILE *log) {
   double part = fabs(b->imbalance[k]) / fabs(b->emitted[k]);
-  if (!c->has_bound && part > IMBALANCE)
+  if (!c->has_bound && c->report.solver != RAD_SOLVER_NEUMANN && part > IMBALANCE)
     fprintf(
         log,
         "%s: warning: %sthe solution %s %.2g of the emitted light: its rows are those of single "
@@ -253,13 +253,14 @@ enum rad_code rad_print_solution(const struct rad_case *c, const struct rad_resu
   enum rad_code code = RAD_OK;
   if (out) {
     print_run(c, r, out);
-    code = print_means(c, out, e);
+    if (r->means)
+      code = print_means(c, out, e);
     print_probes(c, r, out);
     print_view_factors(&r->view_factors, out);
   }
-  if (!code)
+  if (!code && r->means)
     code = print_heat(c, out, log, e);
-  if (!code)
+  if (!code && r->balance)
     print_balance(c, out, log);
   return code;
 }

@@ -8,6 +8,7 @@
 #include "base/memory.h"
 #include "base/stop.h"
 #include "base/vec.h"
+#include "visibility/facing.h"
 #include "visibility/visibility.h"
 
 /* With an edge of the receiver nearer to an element's centre than this many radii, rules on the
@@ -26,7 +27,11 @@ enum {
   BATCHES = 8,           /* of scattered points, before cells are cut */
   CHUNKS = 128,   /* of elements, each with its own sums: the same bits for any number of threads */
   LEAST_RULE = 2, /* points per direction where the bound alone is small enough */
-  MORE = 2        /* points more per direction of the second rule */
+  MORE = 2,       /* points more per direction of the second rule */
+  PART_RULE = 5,  /* least points per direction on parts of an element */
+  PART_MORE = 3,
+  DEEPEST = 60,           /* halvings of an element */
+  MOST_IN_PARTS = 4000000 /* factors of an element and a receiver */
 };
 
 /* Everything that the chunks share. */
@@ -57,6 +62,7 @@ struct worker {
 struct receiver {
   int triangle;
   enum rad_sight sight;
+  int is_cut;                       /* its plane cuts the element's triangle: F has a kink there */
   double *value, *error, *variance; /* [n_weight] */
 };
 
@@ -150,15 +156,14 @@ static int rule_of(const struct rad_element *e) {
   return k / 2 + 1 > LEAST_RULE ? k / 2 + 1 : LEAST_RULE;
 }
 
-static void set_lights(const struct receive *r, const struct rad_light_cell *cell,
+static void set_lights(const struct receive *r, const struct rad_light_cell *cell, int n, int more,
                        struct worker *w) {
-  int n = rule_of(&r->w->mesh->element[cell->element]);
   rad_light_set(r->w, cell, LEAST_RULE, &w->first);
   rad_light_set(r->w, cell, n, &w->second);
-  rad_light_set(r->w, cell, n + MORE, &w->third);
+  rad_light_set(r->w, cell, n + more, &w->third);
 }
 
-/* Cell by cell: the receiver is near, or something may stand between. */
+/* Cell by cell, where scattered points have not been enough. */
 static void by_cells(const struct receive *r, int element, const struct receiver *to, double share,
                      struct worker *w) {
   struct rad_light_at at = {r->w, element};
@@ -246,9 +251,10 @@ static int by_points(const struct receive *r, const struct rad_light_cell *cell,
   return 0;
 }
 
-/* Two rules on the whole element, whose lights are set; 1 if that was good enough. */
+/* Two rules on a cell, whose lights are set; 1 if that was good enough, or the last that is done.
+ */
 static int by_rules(const struct receive *r, const struct rad_light_cell *cell,
-                    const struct receiver *to, double share, struct worker *w) {
+                    const struct receiver *to, double share, int is_last, struct worker *w) {
   const struct rad_scene *scene = r->to;
   struct rad_cell_shape shape;
   double most[RAD_MAX_WEIGHT], low[RAD_MAX_WEIGHT], high[RAD_MAX_WEIGHT];
@@ -256,12 +262,13 @@ static int by_rules(const struct receive *r, const struct rad_light_cell *cell,
   double reach = w->third.area * largest_factor(&scene->triangle[to->triangle], &shape);
   for (int k = 0; k < r->w->n; k++)
     most[k] = w->third.most[k] * reach;
-  if (is_within(r, most, share)) {
+  if (is_last || is_within(r, most, share)) {
     apply(r, &w->first, to, low, w);
     add(r, low, most, to);
     return 1;
   }
-  if (to->sight == RAD_PARTLY || is_near(scene, &shape, w->first.senders.triangle, to->triangle))
+  if (to->sight == RAD_PARTLY || to->is_cut ||
+      is_near(scene, &shape, w->first.senders.triangle, to->triangle))
     return 0;
   apply(r, &w->second, to, low, w);
   apply(r, &w->third, to, high, w);
@@ -271,6 +278,41 @@ static int by_rules(const struct receive *r, const struct rad_light_cell *cell,
     return 0;
   add(r, high, low, to);
   return 1;
+}
+
+static double apart(const double a[3], const double b[3]) {
+  double way[3];
+  rad_sub(a, b, way);
+  return rad_norm(way);
+}
+
+/* Halve a cell across its longer side. */
+static void halve(const struct rad_mesh *mesh, const struct rad_light_cell *cell,
+                  struct rad_light_cell child[2]) {
+  struct rad_cell_shape s;
+  rad_light_cell_shape(mesh, cell, &s);
+  double wide = fmax(apart(s.corner[0], s.corner[1]), apart(s.corner[2], s.corner[3]));
+  double high = fmax(apart(s.corner[0], s.corner[2]), apart(s.corner[1], s.corner[3]));
+  for (int c = 0; c < 2; c++) {
+    child[c] = *cell;
+    double *side = wide > high ? child[c].sigma : child[c].tau;
+    side[1 - c] = 0.5 * (side[0] + side[1]);
+  }
+}
+
+/* A cell that sees all of the receiver, in halves, depth first. */
+static void by_halves(const struct receive *r, const struct rad_light_cell *cell,
+                      const struct receiver *to, double share, int depth, int64_t most,
+                      struct worker *w) {
+  struct rad_light_cell child[2];
+  int n = rule_of(&r->w->mesh->element[cell->element]);
+  halve(r->w->mesh, cell, child);
+  for (int c = 0; c < 2 && !rad_stop_asked(); c++) {
+    int is_last = depth == DEEPEST || w->factors > most;
+    set_lights(r, &child[c], n > PART_RULE ? n : PART_RULE, PART_MORE, w);
+    if (!by_rules(r, &child[c], to, 0.5 * share, is_last, w))
+      by_halves(r, &child[c], to, 0.5 * share, depth + 1, most, w);
+  }
 }
 
 /* ---- all elements -----------------------------------------------------------------------------
@@ -314,18 +356,26 @@ static void send(const struct receive *r, int chunk, int element, struct worker 
   int n = r->to->n_triangle, from = rad_element_triangle(mesh, element);
   const unsigned char *sees = r->to->visibility->sight + (size_t)from * (size_t)n;
   struct rad_light_cell cell = rad_light_cell_whole(mesh, element);
-  set_lights(r, &cell, w);
+  int rule = rule_of(&mesh->element[element]), is_stale = 1;
   w->n_scattered = 0;
   for (int t = r->first; t < n && !rad_stop_asked(); t++) {
     if (sees[t] == RAD_HIDDEN)
       continue;
     size_t at = ((size_t)chunk * (size_t)r->n_receiver + (size_t)(t - r->first)) * (size_t)r->w->n;
-    struct receiver to = {t, sees[t], r->value + at, r->error + at, r->variance + at};
+    int is_cut = rad_side_of(&r->to->triangle[t], &r->to->triangle[from]) == RAD_ACROSS;
+    struct receiver to = {t, sees[t], is_cut, r->value + at, r->error + at, r->variance + at};
     double half = 0.5 * r->to->triangle[t].area, portion = r->portion[element];
-    if (by_rules(r, &cell, &to, half * portion, w))
+    if (is_stale)
+      set_lights(r, &cell, rule, MORE, w);
+    is_stale = 0;
+    if (by_rules(r, &cell, &to, half * portion, 0, w))
       continue;
-    if (to.sight != RAD_PARTLY || !by_points(r, &cell, &to, half * sqrt(portion), w))
+    if (to.sight == RAD_FREE && !is_cut) {
+      by_halves(r, &cell, &to, half * portion, 0, w->factors + MOST_IN_PARTS, w);
+      is_stale = 1;
+    } else if (to.sight == RAD_FREE || !by_points(r, &cell, &to, half * sqrt(portion), w)) {
       by_cells(r, element, &to, half * portion, w);
+    }
   }
 }
 
