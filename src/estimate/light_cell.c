@@ -123,7 +123,7 @@ static void scatter_flux(const struct rad_weights *w, const struct rad_element *
     coefficients(e, w->w[k], c[k]);
     light->most[k] = 0;
   }
-  for (int q = 0; q < RAD_MAX_SENDER; q++) {
+  for (int q = 0; q < RAD_SCATTERED; q++) {
     double x = (at[q][0] - e->sigma[0]) / (e->sigma[1] - e->sigma[0]);
     double y = (at[q][1] - e->tau[0]) / (e->tau[1] - e->tau[0]);
     rad_lagrange(&mesh->nodes, e->k_phi, 2 * x - 1, lp);
@@ -149,11 +149,11 @@ void rad_light_scatter(const struct rad_weights *w, const struct rad_light_cell 
   const struct rad_patch *p = &mesh->patch[e->patch];
   const double low[2] = {cell->sigma[0], cell->tau[0]};
   const double width[2] = {cell->sigma[1] - low[0], cell->tau[1] - low[1]};
-  double at[RAD_MAX_SENDER][2];
+  double at[RAD_SCATTERED][2];
   light->senders.triangle = p->triangle;
-  light->senders.n = RAD_MAX_SENDER;
+  light->senders.n = RAD_SCATTERED;
   light->area = 0;
-  for (int q = 0; q < RAD_MAX_SENDER; q++) {
+  for (int q = 0; q < RAD_SCATTERED; q++) {
     uint64_t seed = ((uint64_t)cell->element * RAD_REPLICATES + (uint64_t)(q / RAD_EACH)) * 2;
     int number = q % RAD_EACH + batch * RAD_EACH;
     for (uint64_t d = 0; d < 2; d++) {

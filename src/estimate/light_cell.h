@@ -61,7 +61,7 @@ void rad_light_set(const struct rad_weights *w, const struct rad_light_cell *cel
  * A batch holds the next RAD_EACH points of every replicate, one replicate after another; the flux
  * of one replicate sums to its estimate of int w dS.
  */
-enum { RAD_REPLICATES = 16, RAD_EACH = RAD_MAX_SENDER / RAD_REPLICATES };
+enum { RAD_REPLICATES = 16, RAD_EACH = 4, RAD_SCATTERED = RAD_REPLICATES * RAD_EACH };
 void rad_light_scatter(const struct rad_weights *w, const struct rad_light_cell *cell, int batch,
                        struct rad_light *light);
 

@@ -12,7 +12,7 @@
 #include "system/cluster.h"
 
 /* Part of the tolerance that the integrals of means may use up. */
-#define INTEGRATION_PART 0.2
+#define INTEGRATION_PART 0.1
 
 /* z is a bound: this part of the tolerance is exact enough for its own mean. */
 #define BOUND_PART 0.1

@@ -24,7 +24,7 @@
 
 enum {
   MOST_IN_CELLS = 50000, /* points of an element and a receiver in cells */
-  BATCHES = 8,           /* of scattered points, before cells are cut */
+  BATCHES = 32,          /* of scattered points, before cells are cut */
   CHUNKS = 128,   /* of elements, each with its own sums: the same bits for any number of threads */
   LEAST_RULE = 2, /* points per direction where the bound alone is small enough */
   MORE = 2,       /* points more per direction of the second rule */
@@ -196,14 +196,14 @@ static void add_batch(const struct receive *r, const struct rad_light *light,
   rad_point_factors(&r->receivers, &light->senders, to->triangle, to->sight, f, &w->scratch);
   w->factors += light->senders.n;
   for (int k = 0; k < r->w->n; k++)
-    for (int q = 0; q < RAD_MAX_SENDER; q++)
+    for (int q = 0; q < RAD_SCATTERED; q++)
       sum[k][q / RAD_EACH] += f[q] * light->flux[k][q];
 }
 
 /* Mean of the replicates and its variance, not below that of a feature that n points just miss. */
 static void judge(const double sum[RAD_REPLICATES], int batches, double unshaded, double *value,
                   double *variance) {
-  double mean = 0, square = 0, n = (double)batches * RAD_MAX_SENDER;
+  double mean = 0, square = 0, n = (double)batches * RAD_SCATTERED;
   for (int i = 0; i < RAD_REPLICATES; i++)
     mean += sum[i] / batches / RAD_REPLICATES;
   for (int i = 0; i < RAD_REPLICATES; i++)
