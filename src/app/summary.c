@@ -207,7 +207,7 @@ static enum rad_code print_heat(const struct rad_case *c, FILE *out, FILE *log,
 
 static void warn_imbalance(const struct rad_case *c, const struct rad_balance *b, int k,
                            FILE *log) {
-  double part = fabs(b->imbalance[k]) / fabs(b->emitted[k]);
+  double part = fabs(b->imbalance[k]) / b->given[k];
   if (!c->has_bound && c->report.solver != RAD_SOLVER_NEUMANN && part > IMBALANCE)
     fprintf(
         log,

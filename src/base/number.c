@@ -77,7 +77,7 @@ bool rad_number_parse(const char *text, size_t n, double *value) {
 }
 
 /* Between these exponents of the last digit a number is written without one of its own. */
-enum { LEAST_EXPONENT = -12, MOST_EXPONENT = 0, MOST_DIGITS = 15 };
+enum { LEAST_EXPONENT = -12, MOST_EXPONENT = 6, MOST_DIGITS = 15 };
 
 void rad_number_with_error(double value, double error, char *text, size_t size) {
   if (!isfinite(value) || error == 0) {
@@ -94,7 +94,10 @@ void rad_number_with_error(double value, double error, char *text, size_t size) 
   if (fabs(value) < 0.5 * unit)
     value = 0; /* and not -0 */
   if (last >= LEAST_EXPONENT && last <= MOST_EXPONENT) {
-    snprintf(text, size, "%.*f +- %.*f", -last, value, -last, shown);
+    int decimals = last < 0 ? -last : 0;
+    double grid = fmax(unit, 1); /* zeros, not digits that mean nothing */
+    value = last > 0 ? round(value / grid) * grid : value;
+    snprintf(text, size, "%.*f +- %.*f", decimals, value, decimals, shown);
     return;
   }
   double most = fmax(fabs(value), error);

@@ -19,6 +19,7 @@ enum rad_code rad_balance_make(const struct rad_scene *scene, const struct rad_m
       double absorbed = area * (1 - rho) * m->irradiance[i];
       b->absorbed[k] += absorbed;
       b->emitted[k] += area * (m->radiosity[i] - rho * m->irradiance[i]);
+      b->given[k] += area * fabs(m->radiosity[i] - rho * m->irradiance[i]);
       b->error[k] += rho < 1 ? area * (1 - rho) * m->error_irradiance[i] : 0;
       left += area * m->radiosity[i];
     }

@@ -9,6 +9,7 @@ struct rad_balance {
   int n_band;
   int is_enclosed;               /* by topology: then nothing escapes and no back is lit */
   double emitted[RAD_MAX_BAND];  /* int E dS */
+  double given[RAD_MAX_BAND];    /* int |E| dS: what the imbalance is compared with */
   double absorbed[RAD_MAX_BAND]; /* int (1 - rho) h dS */
   double rest[RAD_MAX_BAND];     /* emitted less absorbed = int (u - h) dS: escaped and on backs */
   double error[RAD_MAX_BAND];    /* of absorbed and of rest; NAN: not known */

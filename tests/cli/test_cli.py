@@ -637,7 +637,7 @@ class Accuracy(Case):
     def test_tolerance_is_met(self):
         for tolerance in ("1e-2", "1e-4"):
             text = self.done("run", CORNER, "--set", "accuracy.tolerance=" + tolerance).stdout
-            bound = float(re.search(r"error +at most \S+ W/m2, (\S+) of", text).group(1))
+            bound = float(re.search(r"error +of the radiosity at any point at most \S+ W/m2: (\S+) of", text).group(1))
             self.assertTrue(0 < bound <= float(tolerance), text)
             self.assertRegex(self.done("info", "cube_corner.vtkhdf").stdout, r"error bound +\d")
 

@@ -44,7 +44,7 @@ class Progress(Case):
         self.assertNotIn("\n", text)
         lines = [line for line in text.replace("\x1b[K", "").split("\r") if line]
         for line in lines:
-            self.assertRegex(line, r"^(scene|visibility|mesh|matrix|solve|estimate|means and picture|writing)")
+            self.assertRegex(line, r"^(scene|visibility|mesh|matrix|solve|estimate|means|picture|writing)")
             self.assertLess(len(line), 80)
         self.assertTrue(any(re.match(r"matrix: \d+k? of \d+k? (blocks|bases|(far|near) clusters) \(\d+ %\), \S+/s, .* left; "
                                      r".*, [\d.]+ GB$", line)

@@ -14,14 +14,16 @@ QUICK = ("--set", MESH % 1)
 class Thermal(Case):
     def test_summary_and_info(self):
         text = self.done("run", FURNACE, "-o", "f.vtkhdf", "--set", MESH % 3).stdout
-        row = re.search(r"\n +load +700 +(-\d\S+) +(-\d\S+)\n", text)
+        row = re.search(r"\n +load +700 +(-\d\S+) \+- (\S+) +(-\d\S+) \+- (\S+)\n", text)
         self.assertTrue(row, text)
-        # 20 kW/m2 on 2 m2, less what the door loses; 1 m2 of load. With degree 4 the sum is 0.5 W
-        self.assertAlmostEqual(float(row[1]), -39500, delta=10)
-        self.assertAlmostEqual(float(row[2]), -39500, delta=10)
-        total = re.search(r"sum of net powers (\S+) W, of (\S+) W given off", text)
-        self.assertLess(abs(float(total[1])), 10)
-        self.assertAlmostEqual(float(total[2]), 40000, delta=10)
+        # 20 kW/m2 on 2 m2, less what the door loses; 1 m2 of load
+        self.assertLessEqual(abs(float(row[1]) + 39500), float(row[2]))
+        self.assertLessEqual(abs(float(row[3]) + 39500), float(row[4]))
+        total = re.search(r"sum of net powers (\S+) \+- (\S+) W, of (\S+) W given off", text)
+        self.assertLessEqual(abs(float(total[1])), float(total[2]))
+        self.assertAlmostEqual(float(total[3]), 40000, delta=10)
+        power = re.search(r"\n  load +1 (?:.* )?(-39\d+\S*) \S+ 700\n", self.done("info", "f.vtkhdf").stdout)
+        self.assertAlmostEqual(float(power[1]), -39500, delta=10) # far better than stated
         text = self.done("info", "f.vtkhdf").stdout
         for pattern in (r"mean_net_flux +net_power +temperature\n", r"\n  load +1 .* 700\n",
                         r"net_flux +temperature\n", r"/VTKHDF/PointData/temperature .*\] K:",
