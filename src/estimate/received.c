@@ -30,8 +30,8 @@ enum {
   MORE = 2,       /* points more per direction of the second rule */
   PART_RULE = 5,  /* least points per direction on parts of an element */
   PART_MORE = 3,
-  DEEPEST = 60,           /* halvings of an element */
-  MOST_IN_PARTS = 4000000 /* factors of an element and a receiver */
+  DEEPEST = 60,          /* halvings of an element */
+  MOST_IN_PARTS = 400000 /* factors of an element and a receiver */
 };
 
 /* Everything that the chunks share. */
@@ -69,6 +69,12 @@ struct receiver {
 /* ---- where F(y -> T) is smooth ----------------------------------------------------------------
  */
 
+static double apart(const double a[3], const double b[3]) {
+  double way[3];
+  rad_sub(a, b, way);
+  return rad_norm(way);
+}
+
 static double distance_to_segment(const double x[3], const double p[3], const double q[3]) {
   double along[3], way[3], rest[3];
   rad_sub(q, p, along);
@@ -79,26 +85,26 @@ static double distance_to_segment(const double x[3], const double p[3], const do
   return rad_norm(rest);
 }
 
-static int has_vertex(const struct rad_triangle *t, int vertex) {
-  return t->vertex[0] == vertex || t->vertex[1] == vertex || t->vertex[2] == vertex;
+/* True if a corner of T is near to the cell; not if the cell touches it: there all looks the same
+ * at every distance. */
+static int corner_is_near(const struct rad_cell_shape *c, const struct rad_triangle *j, int corner,
+                          double reach) {
+  return c->vertex != j->vertex[corner] && apart(c->centre, j->v[corner]) < reach;
 }
 
-/* True if an edge of T is near to the cell. A common edge is none, only its ends are; and seen from
- * their common vertex, the edges there look the same at every distance. */
+/* True if an edge of T is near to the cell. An edge in the plane of the sender, which T's plane
+ * does not cut, is none: only its ends are. */
 static int is_near(const struct rad_scene *s, const struct rad_cell_shape *c, int from, int to) {
   const struct rad_triangle *i = &s->triangle[from], *j = &s->triangle[to];
-  for (int e = 0; e < 3; e++) {
-    int a = e, b = (e + 1) % 3;
-    int shares_a = has_vertex(i, j->vertex[a]), shares_b = has_vertex(i, j->vertex[b]);
-    int at_a = shares_a && c->vertex == j->vertex[a], at_b = shares_b && c->vertex == j->vertex[b];
-    double way[3], reach = NEAR * c->radius;
-    if (shares_a && shares_b) {
-      for (int k = 0; k < 2; k++) {
-        rad_sub(c->centre, j->v[k ? b : a], way);
-        if (!(k ? at_b : at_a) && rad_norm(way) < reach)
-          return 1;
-      }
-    } else if (!at_a && !at_b && distance_to_segment(c->centre, j->v[a], j->v[b]) < reach) {
+  double reach = NEAR * c->radius, height[3];
+  rad_heights(i, j, height);
+  for (int a = 0; a < 3; a++) {
+    int b = (a + 1) % 3, touches = c->vertex == j->vertex[a] || c->vertex == j->vertex[b];
+    if (height[a] == 0 && height[b] == 0) {
+      if (corner_is_near(c, j, a, reach) || corner_is_near(c, j, b, reach))
+        return 1;
+    } else if (!(touches && c->vertex >= 0) &&
+               distance_to_segment(c->centre, j->v[a], j->v[b]) < reach) {
       return 1;
     }
   }
@@ -278,12 +284,6 @@ static int by_rules(const struct receive *r, const struct rad_light_cell *cell,
     return 0;
   add(r, high, low, to);
   return 1;
-}
-
-static double apart(const double a[3], const double b[3]) {
-  double way[3];
-  rad_sub(a, b, way);
-  return rad_norm(way);
 }
 
 /* Halve a cell across its longer side. */

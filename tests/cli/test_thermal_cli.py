@@ -22,8 +22,6 @@ class Thermal(Case):
         total = re.search(r"sum of net powers (\S+) \+- (\S+) W, of (\S+) W given off", text)
         self.assertLessEqual(abs(float(total[1])), float(total[2]))
         self.assertAlmostEqual(float(total[3]), 40000, delta=10)
-        power = re.search(r"\n  load +1 (?:.* )?(-39\d+\S*) \S+ 700\n", self.done("info", "f.vtkhdf").stdout)
-        self.assertAlmostEqual(float(power[1]), -39500, delta=10) # far better than stated
         text = self.done("info", "f.vtkhdf").stdout
         for pattern in (r"mean_net_flux +net_power +temperature\n", r"\n  load +1 .* 700\n",
                         r"net_flux +temperature\n", r"/VTKHDF/PointData/temperature .*\] K:",
