@@ -8,15 +8,22 @@
 #include "base/memory.h"
 #include "base/stop.h"
 #include "base/vec.h"
+#include "estimate/smooth.h"
 #include "visibility/facing.h"
 #include "visibility/visibility.h"
 
-/* With an edge of the receiver nearer to an element's centre than this many radii, rules on the
- * whole element mean nothing: F(y -> T) is analytic but at the edges of T. */
-#define NEAR 1.2
+/* Rules on a cell are trusted from this axis on (rad_smoothness): each point more divides the error
+ * by 6.9. */
+#define LEAST_AXIS 1.5
+
+/* Part of a tolerance that the factors of points may use up, by their quadrature and by rounding. */
+#define FACTORS_PART 0.01
 
 /* Standard errors that a stated error has, with Student's t of RAD_REPLICATES in mind. */
 #define SIGMAS 5.5
+
+/* Least part of its share that a small cell of an element gets. */
+#define LEAST_PART 0.02
 
 /* Points that miss their share by less than this are kept: most others use less than theirs, and
  * the error that is stated is what they found. */
@@ -27,9 +34,8 @@ enum {
   BATCHES = 32,          /* of scattered points, before cells are cut */
   CHUNKS = 128,   /* of elements, each with its own sums: the same bits for any number of threads */
   LEAST_RULE = 2, /* points per direction where the bound alone is small enough */
-  MORE = 2,       /* points more per direction of the second rule */
-  PART_RULE = 5,  /* least points per direction on parts of an element */
-  PART_MORE = 3,
+  PART_RULE = 4,  /* least points per direction of those to compare, on parts of an element */
+  N_RULE = 4,     /* rules on a cell: the least; two to compare; one more, if these differ */
   DEEPEST = 60,          /* halvings of an element */
   MOST_IN_PARTS = 400000 /* factors of an element and a receiver */
 };
@@ -42,8 +48,17 @@ struct receive {
   struct rad_receivers receivers;
   struct rad_pair_engine engine; /* of pairs that something may stand between */
   const double *tolerance;
+  double accuracy; /* of the factors, relative */
   double *portion; /* owned [n_element] of the tolerance that an element may use up */
   double *value, *error, *variance; /* owned [CHUNKS, n_receiver, n_weight] */
+};
+
+/* What a cell sends, by rule; made when it is asked for. */
+struct lights {
+  struct rad_light_cell cell;
+  int points;    /* per direction of the first two rules to compare */
+  unsigned n; /* rules that are set */
+  struct rad_light rule[N_RULE];
 };
 
 /* Memory of one thread. */
@@ -54,61 +69,22 @@ struct worker {
   struct rad_error error;
   struct rad_light scattered[BATCHES];
   int n_scattered;                       /* batches that are set */
-  struct rad_light first, second, third; /* of the cell at hand, by rule */
+  struct lights whole, part;             /* of the element at hand, of a cell of it */
   int64_t factors;
 };
 
 /* One receiver and the sums that its cells go to. */
 struct receiver {
-  int triangle;
-  enum rad_sight sight;
+  struct rad_receiver at;
+  struct rad_singular singular;
   int is_cut;                       /* its plane cuts the element's triangle: F has a kink there */
   double *value, *error, *variance; /* [n_weight] */
 };
-
-/* ---- where F(y -> T) is smooth ----------------------------------------------------------------
- */
 
 static double apart(const double a[3], const double b[3]) {
   double way[3];
   rad_sub(a, b, way);
   return rad_norm(way);
-}
-
-static double distance_to_segment(const double x[3], const double p[3], const double q[3]) {
-  double along[3], way[3], rest[3];
-  rad_sub(q, p, along);
-  rad_sub(x, p, way);
-  double s = fmin(fmax(rad_dot(way, along) / rad_dot(along, along), 0), 1);
-  for (int d = 0; d < 3; d++)
-    rest[d] = way[d] - s * along[d];
-  return rad_norm(rest);
-}
-
-/* True if a corner of T is near to the cell; not if the cell touches it: there all looks the same
- * at every distance. */
-static int corner_is_near(const struct rad_cell_shape *c, const struct rad_triangle *j, int corner,
-                          double reach) {
-  return c->vertex != j->vertex[corner] && apart(c->centre, j->v[corner]) < reach;
-}
-
-/* True if an edge of T is near to the cell. An edge in the plane of the sender, which T's plane
- * does not cut, is none: only its ends are. */
-static int is_near(const struct rad_scene *s, const struct rad_cell_shape *c, int from, int to) {
-  const struct rad_triangle *i = &s->triangle[from], *j = &s->triangle[to];
-  double reach = NEAR * c->radius, height[3];
-  rad_heights(i, j, height);
-  for (int a = 0; a < 3; a++) {
-    int b = (a + 1) % 3, touches = c->vertex == j->vertex[a] || c->vertex == j->vertex[b];
-    if (height[a] == 0 && height[b] == 0) {
-      if (corner_is_near(c, j, a, reach) || corner_is_near(c, j, b, reach))
-        return 1;
-    } else if (!(touches && c->vertex >= 0) &&
-               distance_to_segment(c->centre, j->v[a], j->v[b]) < reach) {
-      return 1;
-    }
-  }
-  return 0;
 }
 
 /* F(y -> T) <= A_T / (pi d^2), and <= 1. */
@@ -131,7 +107,7 @@ static double largest_factor(const struct rad_triangle *t, const struct rad_cell
 static void apply(const struct receive *r, const struct rad_light *light, const struct receiver *to,
                   double *sum, struct worker *w) {
   double f[RAD_MAX_SENDER];
-  rad_point_factors(&r->receivers, &light->senders, to->triangle, to->sight, f, &w->scratch);
+  rad_point_factors(&r->receivers, &light->senders, &to->at, f, &w->scratch);
   w->factors += light->senders.n;
   for (int k = 0; k < r->w->n; k++) {
     sum[k] = 0;
@@ -162,11 +138,11 @@ static int rule_of(const struct rad_element *e) {
   return k / 2 + 1 > LEAST_RULE ? k / 2 + 1 : LEAST_RULE;
 }
 
-static void set_lights(const struct receive *r, const struct rad_light_cell *cell, int n, int more,
-                       struct worker *w) {
-  rad_light_set(r->w, cell, LEAST_RULE, &w->first);
-  rad_light_set(r->w, cell, n, &w->second);
-  rad_light_set(r->w, cell, n + more, &w->third);
+static const struct rad_light *light_of(const struct receive *r, struct lights *l, unsigned rule) {
+  static const int more[N_RULE] = {0, 0, 2, 5};
+  for (; l->n <= rule; l->n++)
+    rad_light_set(r->w, &l->cell, l->n == 0 ? LEAST_RULE : l->points + more[l->n], &l->rule[l->n]);
+  return &l->rule[rule];
 }
 
 /* Cell by cell, where scattered points have not been enough. */
@@ -175,8 +151,8 @@ static void by_cells(const struct receive *r, int element, const struct receiver
   struct rad_light_at at = {r->w, element};
   double corner[2][3][3], tolerance[RAD_MAX_WEIGHT], value[RAD_MAX_WEIGHT], error[RAD_MAX_WEIGHT];
   int n = rad_light_triangles(r->w->mesh, element, corner);
-  struct rad_cell_task task = {.source = w->third.senders.triangle,
-                               .target = to->triangle,
+  struct rad_cell_task task = {.source = rad_element_triangle(r->w->mesh, element),
+                               .target = to->at.triangle,
                                .n_weight = r->w->n,
                                .weight = rad_light_at,
                                .context = &at,
@@ -199,7 +175,7 @@ static void by_cells(const struct receive *r, int element, const struct receiver
 static void add_batch(const struct receive *r, const struct rad_light *light,
                       const struct receiver *to, double (*sum)[RAD_REPLICATES], struct worker *w) {
   double f[RAD_MAX_SENDER];
-  rad_point_factors(&r->receivers, &light->senders, to->triangle, to->sight, f, &w->scratch);
+  rad_point_factors(&r->receivers, &light->senders, &to->at, f, &w->scratch);
   w->factors += light->senders.n;
   for (int k = 0; k < r->w->n; k++)
     for (int q = 0; q < RAD_SCATTERED; q++)
@@ -221,12 +197,15 @@ static void judge(const double sum[RAD_REPLICATES], int batches, double unshaded
 /* int |w_k| F dS without shadows. */
 static void unshaded(const struct receive *r, const struct receiver *to, double *most,
                      struct worker *w) {
+  const struct rad_light *light = light_of(r, &w->whole, 2);
   double f[RAD_MAX_SENDER];
-  rad_point_factors(&r->receivers, &w->third.senders, to->triangle, RAD_FREE, f, &w->scratch);
+  struct rad_receiver open = to->at;
+  open.sight = RAD_FREE;
+  rad_point_factors(&r->receivers, &light->senders, &open, f, &w->scratch);
   for (int k = 0; k < r->w->n; k++) {
     most[k] = 0;
-    for (int q = 0; q < w->third.senders.n; q++)
-      most[k] += f[q] * fabs(w->third.flux[k][q]);
+    for (int q = 0; q < light->senders.n; q++)
+      most[k] += f[q] * fabs(light->flux[k][q]);
   }
 }
 
@@ -257,61 +236,76 @@ static int by_points(const struct receive *r, const struct rad_light_cell *cell,
   return 0;
 }
 
-/* Two rules on a cell, whose lights are set; 1 if that was good enough, or the last that is done.
- */
-static int by_rules(const struct receive *r, const struct rad_light_cell *cell,
-                    const struct receiver *to, double share, int is_last, struct worker *w) {
-  const struct rad_scene *scene = r->to;
+static int is_smooth(const struct rad_cell_shape *shape, const struct receiver *to) {
+  double axis[2];
+  rad_smoothness(shape, &to->singular, axis);
+  return fmin(axis[0], axis[1]) >= LEAST_AXIS;
+}
+
+/* Rules on a cell; 1 if two of them agreed, or if it is the last that is done. */
+static int by_rules(const struct receive *r, struct lights *l, const struct receiver *to,
+                    double share, int is_last, struct worker *w) {
+  const struct rad_light *fine = light_of(r, l, 2);
   struct rad_cell_shape shape;
   double most[RAD_MAX_WEIGHT], low[RAD_MAX_WEIGHT], high[RAD_MAX_WEIGHT];
-  rad_light_cell_shape(r->w->mesh, cell, &shape);
-  double reach = w->third.area * largest_factor(&scene->triangle[to->triangle], &shape);
+  rad_light_cell_shape(r->w->mesh, &l->cell, &shape);
+  double reach = fine->area * largest_factor(&r->to->triangle[to->at.triangle], &shape);
   for (int k = 0; k < r->w->n; k++)
-    most[k] = w->third.most[k] * reach;
+    most[k] = fine->most[k] * reach;
   if (is_last || is_within(r, most, share)) {
-    apply(r, &w->first, to, low, w);
+    apply(r, light_of(r, l, 0), to, low, w);
     add(r, low, most, to);
     return 1;
   }
-  if (to->sight == RAD_PARTLY || to->is_cut ||
-      is_near(scene, &shape, w->first.senders.triangle, to->triangle))
+  if (to->at.sight == RAD_PARTLY || to->is_cut || !is_smooth(&shape, to))
     return 0;
-  apply(r, &w->second, to, low, w);
-  apply(r, &w->third, to, high, w);
-  for (int k = 0; k < r->w->n; k++)
-    low[k] -= high[k];
-  if (!is_within(r, low, share))
-    return 0;
-  add(r, high, low, to);
-  return 1;
+  apply(r, light_of(r, l, 1), to, high, w);
+  for (unsigned rule = 2; rule < N_RULE; rule++) {
+    memcpy(low, high, sizeof low);
+    apply(r, light_of(r, l, rule), to, high, w);
+    for (int k = 0; k < r->w->n; k++)
+      low[k] -= high[k];
+    if (is_within(r, low, share)) {
+      add(r, high, low, to);
+      return 1;
+    }
+  }
+  return 0;
 }
 
-/* Halve a cell across its longer side. */
+/* Halve a cell in the direction that is the less smooth, or across its longer side. */
 static void halve(const struct rad_mesh *mesh, const struct rad_light_cell *cell,
-                  struct rad_light_cell child[2]) {
+                  const struct receiver *to, struct rad_light_cell child[2]) {
   struct rad_cell_shape s;
+  double axis[2];
   rad_light_cell_shape(mesh, cell, &s);
+  rad_smoothness(&s, &to->singular, axis);
   double wide = fmax(apart(s.corner[0], s.corner[1]), apart(s.corner[2], s.corner[3]));
   double high = fmax(apart(s.corner[0], s.corner[2]), apart(s.corner[1], s.corner[3]));
+  int is_rough[2] = {axis[0] < LEAST_AXIS, axis[1] < LEAST_AXIS};
+  int is_across = is_rough[0] == is_rough[1] ? wide > high : is_rough[0];
   for (int c = 0; c < 2; c++) {
     child[c] = *cell;
-    double *side = wide > high ? child[c].sigma : child[c].tau;
+    double *side = is_across ? child[c].sigma : child[c].tau;
     side[1 - c] = 0.5 * (side[0] + side[1]);
   }
 }
 
-/* A cell that sees all of the receiver, in halves, depth first. */
+/* A cell that sees all of the receiver, in halves, depth first. The share of a half is half of it,
+ * down to least: few cells are small, those towards a corner. */
 static void by_halves(const struct receive *r, const struct rad_light_cell *cell,
-                      const struct receiver *to, double share, int depth, int64_t most,
-                      struct worker *w) {
+                      const struct receiver *to, double share, double least, int depth,
+                      int64_t most, struct worker *w) {
   struct rad_light_cell child[2];
-  int n = rule_of(&r->w->mesh->element[cell->element]);
-  halve(r->w->mesh, cell, child);
+  halve(r->w->mesh, cell, to, child);
+  share = fmax(0.5 * share, least);
   for (int c = 0; c < 2 && !rad_stop_asked(); c++) {
     int is_last = depth == DEEPEST || w->factors > most;
-    set_lights(r, &child[c], n > PART_RULE ? n : PART_RULE, PART_MORE, w);
-    if (!by_rules(r, &child[c], to, 0.5 * share, is_last, w))
-      by_halves(r, &child[c], to, 0.5 * share, depth + 1, most, w);
+    w->part.cell = child[c];
+    w->part.n = 0;
+    w->part.points = w->whole.points > PART_RULE ? w->whole.points : PART_RULE;
+    if (!by_rules(r, &w->part, to, share, is_last, w))
+      by_halves(r, &child[c], to, share, least, depth + 1, most, w);
   }
 }
 
@@ -351,31 +345,44 @@ static void share_out(struct receive *r, struct rad_light *light, double *sent) 
       r->portion[i] = 0.5 * (r->portion[i] / area + 1.0 / n);
 }
 
+/* Absolute error of the factors that changes none of the sums by more than its part. */
+static double rounding(const struct receive *r, const struct rad_light *light, double share) {
+  double least = 1e-6;
+  for (int k = 0; k < r->w->n; k++)
+    if (light->most[k] > 0)
+      least = fmin(least, FACTORS_PART * share * r->tolerance[k] / (light->most[k] * light->area));
+  return least;
+}
+
 static void send(const struct receive *r, int chunk, int element, struct worker *w) {
   const struct rad_mesh *mesh = r->w->mesh;
   int n = r->to->n_triangle, from = rad_element_triangle(mesh, element);
   const unsigned char *sees = r->to->visibility->sight + (size_t)from * (size_t)n;
-  struct rad_light_cell cell = rad_light_cell_whole(mesh, element);
-  int rule = rule_of(&mesh->element[element]), is_stale = 1;
+  const struct rad_light_cell cell = rad_light_cell_whole(mesh, element);
+  w->whole.cell = cell;
+  w->whole.n = 0;
+  w->whole.points = rule_of(&mesh->element[element]);
   w->n_scattered = 0;
   for (int t = r->first; t < n && !rad_stop_asked(); t++) {
     if (sees[t] == RAD_HIDDEN)
       continue;
     size_t at = ((size_t)chunk * (size_t)r->n_receiver + (size_t)(t - r->first)) * (size_t)r->w->n;
     int is_cut = rad_side_of(&r->to->triangle[t], &r->to->triangle[from]) == RAD_ACROSS;
-    struct receiver to = {t, sees[t], is_cut, r->value + at, r->error + at, r->variance + at};
+    struct receiver to = {.at = {t, sees[t], 0},
+                          .is_cut = is_cut,
+                          .value = r->value + at,
+                          .error = r->error + at,
+                          .variance = r->variance + at};
+    rad_singular_set(&r->to->triangle[from], &r->to->triangle[t], &to.singular);
     double half = 0.5 * r->to->triangle[t].area, portion = r->portion[element];
-    if (is_stale)
-      set_lights(r, &cell, rule, MORE, w);
-    is_stale = 0;
-    if (by_rules(r, &cell, &to, half * portion, 0, w))
+    to.at.rounding = rounding(r, light_of(r, &w->whole, 2), half * portion);
+    if (by_rules(r, &w->whole, &to, half * portion, 0, w))
       continue;
-    if (to.sight == RAD_FREE && !is_cut) {
-      by_halves(r, &cell, &to, half * portion, 0, w->factors + MOST_IN_PARTS, w);
-      is_stale = 1;
-    } else if (to.sight == RAD_FREE || !by_points(r, &cell, &to, half * sqrt(portion), w)) {
+    if (to.at.sight == RAD_FREE && !is_cut)
+      by_halves(r, &cell, &to, half * portion, LEAST_PART * half * portion, 0,
+                w->factors + MOST_IN_PARTS, w);
+    else if (to.at.sight == RAD_FREE || !by_points(r, &cell, &to, half * sqrt(portion), w))
       by_cells(r, element, &to, half * portion, w);
-    }
   }
 }
 
@@ -384,7 +391,7 @@ static void gather(struct receive *r, struct rad_received *out) {
   for (size_t c = 0; c < CHUNKS; c++)
     for (size_t i = 0; i < n; i++) {
       out->value[i] += r->value[c * n + i];
-      out->error[i] += r->error[c * n + i];
+      out->error[i] += r->error[c * n + i] + r->accuracy * fabs(r->value[c * n + i]);
       r->variance[i] += c ? r->variance[c * n + i] : 0;
     }
   for (size_t i = 0; i < n; i++)
@@ -404,9 +411,22 @@ static void run(struct receive *r, struct worker *worker) {
     }
 }
 
+static double accuracy(const struct rad_weights *w, const double *tolerance) {
+  double least = 1e-4;
+  for (int k = 0; k < w->n; k++) {
+    double most = 0;
+    for (int i = 0; i < w->mesh->n_point; i++)
+      most = fmax(most, fabs(w->w[k][i]));
+    if (most > 0)
+      least = fmin(least, FACTORS_PART * tolerance[k] / most);
+  }
+  return fmax(least, 1e-12);
+}
+
 static enum rad_code begin(struct receive *r, struct rad_error *e) {
   size_t n = (size_t)r->n_receiver * (size_t)r->w->n;
-  enum rad_code code = rad_receivers_begin(r->to, 1e-12, &r->receivers, e);
+  r->accuracy = accuracy(r->w, r->tolerance);
+  enum rad_code code = rad_receivers_begin(r->to, r->accuracy, &r->receivers, e);
   if (!code)
     code = rad_pair_engine_init(r->to, &r->engine, e);
   if (code)
@@ -456,7 +476,7 @@ enum rad_code rad_receive(const struct rad_weights *w, const struct rad_scene *t
         !(worker[t].cells = rad_cell_scratch_new()))
       code = rad_fail_memory(e, "the means", 0);
   if (!code) {
-    share_out(&r, &worker[0].first, out->sent);
+    share_out(&r, &worker[0].whole.rule[0], out->sent);
     run(&r, worker);
     code = finish(&r, n_thread, worker, out, e);
   }

@@ -61,8 +61,8 @@ INLINE struct sums add_side(const int wide, struct sums s, struct vec a, struct 
 
 /* RAD_FACET_LANES targets. Returns 1 if there are NANs, 2 if an angle is too wide. */
 INLINE int lanes(const int wide, const struct rad_facet_source *s,
-                 const struct rad_facet_targets *t, int first, double tolerance,
-                 double *restrict value) {
+                 const struct rad_facet_targets *t, int first,
+                 struct rad_facet_error allowed, double *restrict value) {
   const struct vec v0 = load(s->v[0]), v1 = load(s->v[1]), v2 = load(s->v[2]);
   const struct vec s0 = load(s->side[0]), s1 = load(s->side[1]), s2 = load(s->side[2]);
   const struct vec normal = load(s->normal);
@@ -81,7 +81,9 @@ INLINE int lanes(const int wide, const struct rad_facet_source *s,
     double lowest = ha < hb ? ha : hb, depth = BEHIND * (fabs(a.x) + fabs(a.y) + fabs(a.z));
     lowest = lowest < hc ? lowest : hc;
     int visible = dot(a, normal) < 0;
-    int sure = lowest >= -depth && fabs(scale) * ROUNDING * sums.rounding <= tolerance * result;
+    double error = fabs(scale) * ROUNDING * sums.rounding;
+    int sure = lowest >= -depth &&
+               (error <= allowed.relative * result || error <= allowed.absolute);
     value[i] = visible ? (sure ? result : NAN) : 0;
     flags |= (visible && !sure ? 1 : 0) | (sums.widest > 0 ? 2 : 0);
   }
@@ -90,10 +92,10 @@ INLINE int lanes(const int wide, const struct rad_facet_source *s,
 
 RAD_CLONES int rad_facet_values(const struct rad_facet_source *s,
                                 const struct rad_facet_targets *targets, int first,
-                                double tolerance, double *restrict value) {
-  int flags = lanes(0, s, targets, first, tolerance, value);
+                                struct rad_facet_error allowed, double *restrict value) {
+  int flags = lanes(0, s, targets, first, allowed, value);
   if (flags & 2)
-    flags = lanes(1, s, targets, first, tolerance, value);
+    flags = lanes(1, s, targets, first, allowed, value);
   return flags & 1;
 }
 
@@ -132,7 +134,8 @@ static struct vec corner(const double b[2], const struct vec r[3]) {
 }
 
 double rad_facet_part(const struct rad_facet_source *s, const struct rad_facet_targets *targets,
-                      int target, const struct rad_polygon *part, double tolerance) {
+                      int target, const struct rad_polygon *part,
+                      struct rad_facet_error allowed) {
   struct vec r[3],
       n = {targets->normal[0][target], targets->normal[1][target], targets->normal[2][target]};
   struct sums sums = {0, 0, 0};
@@ -148,6 +151,7 @@ double rad_facet_part(const struct rad_facet_source *s, const struct rad_facet_t
     sums = add_side(1, sums, corner(p, r), corner(q, r), load(side), rad_norm(side), n);
   }
   double result = s->scale * sums.value;
-  int sure = fabs(s->scale) * ROUNDING * sums.rounding <= tolerance * result;
+  double error = fabs(s->scale) * ROUNDING * sums.rounding;
+  int sure = error <= allowed.relative * result || error <= allowed.absolute;
   return part->n == 0 ? 0 : sure ? result : NAN;
 }

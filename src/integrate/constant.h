@@ -17,6 +17,11 @@ struct rad_facet_source {
 
 void rad_facet_source_set(const struct rad_triangle *source, struct rad_facet_source *s);
 
+/* Rounding that a value may have: relative times the value, or absolute [-]. */
+struct rad_facet_error {
+  double relative, absolute;
+};
+
 /* Target points x = v + d with their normals, ready for vector loops: [coordinate][target]. v is a
  * vertex of the target's triangle, d the way from there to x, so that a source that touches the
  * target in v, however small both are, is seen without cancellation. */
@@ -35,23 +40,24 @@ struct rad_facet_targets {
  * half of it). Relative to K that is about 1e-16 distance over extent, over both cosines. 0 for
  * targets behind the source.
  *
- * @param[in]  tolerance  relative, of each value
- * @param[out] value      [RAD_FACET_LANES]; NAN where rounding exceeds the tolerance, or a vertex
+ * @param[in]  allowed    of each value
+ * @param[out] value      [RAD_FACET_LANES]; NAN where rounding exceeds what is allowed, or a vertex
  * of the source is behind the target's plane
  * @return nonzero if there are NANs. No allocation; thread-safe.
  */
 int rad_facet_values(const struct rad_facet_source *s, const struct rad_facet_targets *targets,
-                     int first, double tolerance, double *restrict value);
+                     int first, struct rad_facet_error allowed, double *restrict value);
 
 /**
  * The same for one target and a convex part of the source in front of its plane.
  *
  * @param[in] part  corners (b1, b2): y = v_0 + b1 (v_1 - v_0) + b2 (v_2 - v_0); in the order of the
  *                  triangle's vertices
- * @return the value, or NAN where rounding exceeds the tolerance
+ * @return the value, or NAN where rounding exceeds what is allowed
  */
 double rad_facet_part(const struct rad_facet_source *s, const struct rad_facet_targets *targets,
-                      int target, const struct rad_polygon *part, double tolerance);
+                      int target, const struct rad_polygon *part,
+                      struct rad_facet_error allowed);
 
 /* The part of the source in front of the plane of a target (cut: it crosses that plane), or all. */
 void rad_facet_front(const struct rad_facet_source *s, const struct rad_facet_targets *targets,

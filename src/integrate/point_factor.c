@@ -74,32 +74,33 @@ static void by_patch(const struct rad_receivers *r, const struct rad_senders *s,
 }
 
 /* Values that the vector loop was not sure of: cut at the horizon, or hard to round. */
-static void with_care(const struct rad_receivers *r, const struct rad_senders *s, int receiver,
-                      double *value, struct rad_scratch *scratch) {
+static void with_care(const struct rad_receivers *r, const struct rad_senders *s,
+                      const struct rad_receiver *to, struct rad_facet_error allowed, double *value, struct rad_scratch *scratch) {
   const struct rad_triangle *t = r->scene->triangle;
   struct rad_facet_targets all = targets_of(s);
-  int cut = rad_side_of(&t[s->triangle], &t[receiver]) == RAD_ACROSS;
+  int cut = rad_side_of(&t[s->triangle], &t[to->triangle]) == RAD_ACROSS;
   for (int q = 0; q < s->n; q++) {
     if (!isnan(value[q]))
       continue;
     struct rad_polygon front;
-    rad_facet_front(&r->facet[receiver], &all, q, cut, &front);
-    value[q] = rad_facet_part(&r->facet[receiver], &all, q, &front, r->rules.tolerance);
+    rad_facet_front(&r->facet[to->triangle], &all, q, cut, &front);
+    value[q] = rad_facet_part(&r->facet[to->triangle], &all, q, &front, allowed);
     if (isnan(value[q]))
-      by_patch(r, s, q, 1, receiver, value, scratch);
+      by_patch(r, s, q, 1, to->triangle, value, scratch);
   }
 }
 
-void rad_point_factors(const struct rad_receivers *r, const struct rad_senders *s, int receiver,
-                       enum rad_sight sight, double *value, struct rad_scratch *scratch) {
-  if (sight == RAD_PARTLY) {
-    by_patch(r, s, 0, s->n, receiver, value, scratch);
+void rad_point_factors(const struct rad_receivers *r, const struct rad_senders *s,
+                       const struct rad_receiver *to, double *value, struct rad_scratch *scratch) {
+  const struct rad_facet_error allowed = {r->rules.tolerance, to->rounding};
+  if (to->sight == RAD_PARTLY) {
+    by_patch(r, s, 0, s->n, to->triangle, value, scratch);
     return;
   }
   struct rad_facet_targets targets = targets_of(s);
   int doubts = 0;
   for (int q = 0; q < s->n; q += RAD_FACET_LANES)
-    doubts |= rad_facet_values(&r->facet[receiver], &targets, q, r->rules.tolerance, value + q);
+    doubts |= rad_facet_values(&r->facet[to->triangle], &targets, q, allowed, value + q);
   if (doubts)
-    with_care(r, s, receiver, value, scratch);
+    with_care(r, s, to, allowed, value, scratch);
 }

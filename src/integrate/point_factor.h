@@ -31,14 +31,20 @@ struct rad_senders {
 /* Fill component from triangle, n, base and mu. */
 void rad_senders_finish(const struct rad_scene *scene, struct rad_senders *s);
 
+/* One of the triangles, for the points of one sender. */
+struct rad_receiver {
+  int triangle;
+  enum rad_sight sight; /* of the two triangles, not RAD_HIDDEN */
+  double rounding;      /* absolute error that rounding may leave; 0: only what tolerance allows */
+};
+
 /**
  * F(y_q -> T) = int_T G(y_q, x) dS_x for all points of s, with shadows              (theory 3.9)
  *
- * @param[in]  sight  of the two triangles, not RAD_HIDDEN
  * @param[out] value  [RAD_MAX_SENDER], s->n of them set
- * Each to the receivers' tolerance. Thread-safe with its own scratch, which is one of r->mesh.
+ * Each to the receivers' tolerance, or to the rounding allowed. Thread-safe with its own scratch, which is one of r->mesh.
  */
-void rad_point_factors(const struct rad_receivers *r, const struct rad_senders *s, int receiver,
-                       enum rad_sight sight, double *value, struct rad_scratch *scratch);
+void rad_point_factors(const struct rad_receivers *r, const struct rad_senders *s,
+                       const struct rad_receiver *to, double *value, struct rad_scratch *scratch);
 
 #endif

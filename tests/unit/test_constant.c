@@ -82,7 +82,7 @@ static double value_of(const struct rad_triangle *source, const struct targets *
     return lane[i];
   rad_facet_source_set(source, &s);
   rad_facet_front(&s, &t->view, i, 1, &front);
-  return rad_facet_part(&s, &t->view, i, &front, tolerance);
+  return rad_facet_part(&s, &t->view, i, &front, (struct rad_facet_error){tolerance, 0});
 }
 
 /* Compares all lanes; returns how many are left to the quadrature. */
@@ -92,7 +92,7 @@ static int compare(const struct rad_triangle *source, const struct targets *t, d
   double lane[RAD_FACET_LANES];
   int given_up = 0;
   rad_facet_source_set(source, &s);
-  int doubts = rad_facet_values(&s, &t->view, 0, tolerance, lane), nans = 0;
+  int doubts = rad_facet_values(&s, &t->view, 0, (struct rad_facet_error){tolerance, 0}, lane), nans = 0;
   for (int i = 0; i < RAD_FACET_LANES; i++) {
     double value = value_of(source, t, i, tolerance, lane);
     long double exact = oracle_lambert(&t->point[i], 3, source->v, source->normal);
@@ -230,7 +230,7 @@ START_TEST(lanes_agree) {
   rad_facet_source_set(&source, &s);
   for (int i = 0; i < RAD_FACET_LANES; i++)
     set_target(&t, i, v, 0.25, 0.5);
-  ck_assert_int_eq(rad_facet_values(&s, &t.view, 0, 1e-10, value), 0);
+  ck_assert_int_eq(rad_facet_values(&s, &t.view, 0, (struct rad_facet_error){1e-10, 0}, value), 0);
   for (int i = 1; i < RAD_FACET_LANES; i++)
     ck_assert_int_eq(memcmp(&value[i], &value[0], sizeof *value), 0);
 }
@@ -265,8 +265,8 @@ START_TEST(parts_add_up) {
     rad_clip(&left, c[0], c[1], c[2]);
     rad_clip(&right, -c[0], -c[1], -c[2]);
     double sum =
-        rad_facet_part(&s, &t.view, 0, &left, 1) + rad_facet_part(&s, &t.view, 0, &right, 1);
-    double all = rad_facet_part(&s, &t.view, 0, &whole, 1e-12);
+        rad_facet_part(&s, &t.view, 0, &left, (struct rad_facet_error){1, 0}) + rad_facet_part(&s, &t.view, 0, &right, (struct rad_facet_error){1, 0});
+    double all = rad_facet_part(&s, &t.view, 0, &whole, (struct rad_facet_error){1e-12, 0});
     ck_assert_msg(fabs(sum - all) < 2e-15, "%g, seed %llu", sum - all, seed());
     ck_assert_double_gt(all, 0.01);
   }
