@@ -154,7 +154,8 @@ POLYRAD_API polyrad_status polyrad_evaluate_at(polyrad *p, int n, const int *tri
 /* Means over surfaces, each [n_surface, n_band] [W/m2], or NULL. */
 POLYRAD_API polyrad_status polyrad_surface_means(polyrad *p, double *radiosity, double *irradiance);
 
-/* Bounds of the errors of those means, each [n_surface, n_band] [W/m2], or NULL. */
+/* Bounds of the errors of those means, each [n_surface, n_band] [W/m2], or NULL; NaN in a scene
+ * that was solved without a tolerance. */
 POLYRAD_API polyrad_status polyrad_surface_errors(polyrad *p, double *radiosity,
                                                   double *irradiance);
 

@@ -52,6 +52,7 @@ def _load():
     for function, arguments in {
             "create": [c.POINTER(_Scene), c.POINTER(p)], "solve": [p, c.POINTER(_Options)],
             "get_summary": [p, c.POINTER(Summary)], "surface_means": [p, _double_p, _double_p],
+            "surface_errors": [p, _double_p, _double_p],
             "surface_heat": [p, _double_p, _double_p],
             "evaluate": [p, c.c_int, _int_p, _double_p, _double_p, _double_p],
             "evaluate_at": [p, c.c_int, _int_p, _double_p, _double_p, _double_p],
@@ -277,6 +278,12 @@ class Scene:
         """Mean radiosity and irradiance, each [surfaces, bands]."""
         u, h = np.empty((2, self.n_surface, self.bands))
         self._call(_lib.polyrad_surface_means, _pointer(u), _pointer(h))
+        return u, h
+
+    def surface_errors(self):
+        """Bounds of the errors of surface_means(), each [surfaces, bands]; NaN without a tolerance."""
+        u, h = np.empty((2, self.n_surface, self.bands))
+        self._call(_lib.polyrad_surface_errors, _pointer(u), _pointer(h))
         return u, h
 
     def surface_heat(self):

@@ -123,7 +123,7 @@ static void scatter_flux(const struct rad_weights *w, const struct rad_element *
     coefficients(e, w->w[k], c[k]);
     light->most[k] = 0;
   }
-  for (int q = 0; q < RAD_SCATTERED; q++) {
+  for (int q = 0; q < light->senders.n; q++) {
     double x = (at[q][0] - e->sigma[0]) / (e->sigma[1] - e->sigma[0]);
     double y = (at[q][1] - e->tau[0]) / (e->tau[1] - e->tau[0]);
     rad_lagrange(&mesh->nodes, e->k_phi, 2 * x - 1, lp);
@@ -139,29 +139,34 @@ static void scatter_flux(const struct rad_weights *w, const struct rad_element *
   }
 }
 
-/* Steps of the R2 sequence (Roberts 2018): powers of the reciprocal of the root of x^3 = x + 1. */
-static const double r2_step[2] = {0.75487766624669276, 0.56984029099805327};
+const struct rad_lattice rad_lattice[RAD_N_LATTICE] = {
+    {5, 3, 16}, {13, 8, 16}, {55, 34, 4}, {233, 144, 1}};
 
-void rad_light_scatter(const struct rad_weights *w, const struct rad_light_cell *cell, int batch,
-                       struct rad_light *light) {
+static double tent(double x) {
+  return 1 - fabs(2 * (x - floor(x)) - 1);
+}
+
+void rad_light_scatter(const struct rad_weights *w, const struct rad_light_cell *cell,
+                       const struct rad_lattice *lattice, int first, struct rad_light *light) {
   const struct rad_mesh *mesh = w->mesh;
   const struct rad_element *e = &mesh->element[cell->element];
   const struct rad_patch *p = &mesh->patch[e->patch];
   const double low[2] = {cell->sigma[0], cell->tau[0]};
   const double width[2] = {cell->sigma[1] - low[0], cell->tau[1] - low[1]};
-  double at[RAD_SCATTERED][2];
+  double at[RAD_MAX_SENDER][2];
+  int n = lattice->n;
   light->senders.triangle = p->triangle;
-  light->senders.n = RAD_SCATTERED;
+  light->senders.n = n * lattice->at_once;
   light->area = 0;
-  for (int q = 0; q < RAD_SCATTERED; q++) {
-    uint64_t seed = ((uint64_t)cell->element * RAD_REPLICATES + (uint64_t)(q / RAD_EACH)) * 2;
-    int number = q % RAD_EACH + batch * RAD_EACH;
+  for (int q = 0; q < light->senders.n; q++) {
+    uint64_t copy = (uint64_t)(first + q / n) + (uint64_t)n * RAD_REPLICATES;
+    uint64_t seed = ((uint64_t)cell->element << 20) + 2 * copy;
     for (uint64_t d = 0; d < 2; d++) {
-      double x = rad_scramble_unit(seed + d) + number * r2_step[d];
-      at[q][d] = low[d] + fmax(x - floor(x), 1e-12) * width[d];
+      double x = (double)(q % n) * (d ? lattice->step : 1) / n + rad_scramble_unit(seed + d);
+      at[q][d] = low[d] + fmax(tent(x), 1e-12) * width[d];
     }
-    light->dS[q] = width[0] * width[1] / RAD_EACH * place(e, p, at[q], &light->senders, q);
-    light->area += light->dS[q] / RAD_REPLICATES;
+    light->dS[q] = width[0] * width[1] / n * place(e, p, at[q], &light->senders, q);
+    light->area += light->dS[q] / lattice->at_once;
   }
   rad_senders_finish(mesh->scene, &light->senders);
   scatter_flux(w, e, (const double(*)[2])at, light);

@@ -55,14 +55,19 @@ void rad_light_set(const struct rad_weights *w, const struct rad_light_cell *cel
                    struct rad_light *light);
 
 /**
- * Randomised points, for an error that no feature between them can fool: each of RAD_REPLICATES
- * replicates is the R2 sequence with a random shift of its own, from the element's number.
- *
- * A batch holds the next RAD_EACH points of every replicate, one replicate after another; the flux
- * of one replicate sums to its estimate of int w dS.
+ * Randomised points, for an error that no feature between them can fool: RAD_REPLICATES copies of
+ * a Fibonacci lattice (i/n, i step/n), each shifted by random numbers of its own from the
+ * element's, and folded by the tent 1 - |2 x - 1|, which makes any integrand periodic.
  */
-enum { RAD_REPLICATES = 16, RAD_EACH = 4, RAD_SCATTERED = RAD_REPLICATES * RAD_EACH };
-void rad_light_scatter(const struct rad_weights *w, const struct rad_light_cell *cell, int batch,
-                       struct rad_light *light);
+struct rad_lattice {
+  int n, step; /* two Fibonacci numbers that follow each other */
+  int at_once; /* copies in one rad_light */
+};
+enum { RAD_REPLICATES = 16, RAD_N_LATTICE = 4, RAD_SCATTERED = 22 /* lights of all lattices */ };
+extern const struct rad_lattice rad_lattice[RAD_N_LATTICE];
+
+/* Copies first .. first + at_once, one after another; the flux of a copy sums to its int w dS. */
+void rad_light_scatter(const struct rad_weights *w, const struct rad_light_cell *cell,
+                       const struct rad_lattice *lattice, int first, struct rad_light *light);
 
 #endif

@@ -11,8 +11,10 @@
 #include "scene/enclosure.h"
 #include "system/cluster.h"
 
-/* Part of the tolerance that the integrals of means may use up. */
+/* Parts of the tolerance that the integrals of means may use up, at least and at most; between them
+ * half of what the bound leaves. */
 #define INTEGRATION_PART 0.1
+#define INTEGRATION_MOST 0.3
 
 /* z is a bound: this part of the tolerance is exact enough for its own mean. */
 #define BOUND_PART 0.1
@@ -151,10 +153,14 @@ enum rad_code rad_means_estimated(const struct rad_estimate *x, double tolerance
   double start = rad_seconds(), allowed[RAD_MAX_WEIGHT];
   struct rad_received r = {0};
   enum rad_code code = allocate(fine->scene->n_triangle, fine->scene->n_band, m, e);
-  double *z = spread_bound(fine, x->element_bound);
+  double *z = spread_bound(fine, x->element_bound), most = 0;
+  for (int i = 0; i < fine->n_element; i++)
+    most = fmax(most, x->element_bound[i]);
+  double left = fmin(fmax(0.5 * (tolerance - most), INTEGRATION_PART * tolerance),
+                     INTEGRATION_MOST * tolerance);
   for (int b = 0; b < m->n_band; b++) {
     w.w[b] = indicator->star + (size_t)b * (size_t)fine->n_point;
-    allowed[b] = INTEGRATION_PART * tolerance * indicator->scale[b];
+    allowed[b] = left * indicator->scale[b];
   }
   w.w[m->n_band] = z;
   allowed[m->n_band] = BOUND_PART * tolerance;

@@ -16,7 +16,8 @@
  * by 6.9. */
 #define LEAST_AXIS 1.5
 
-/* Part of a tolerance that the factors of points may use up, by their quadrature and by rounding. */
+/* Part of a tolerance that the factors of points may use up, by their quadrature and by rounding.
+ */
 #define FACTORS_PART 0.01
 
 /* Standard errors that a stated error has, with Student's t of RAD_REPLICATES in mind. */
@@ -27,16 +28,15 @@
 
 /* Points that miss their share by less than this are kept: most others use less than theirs, and
  * the error that is stated is what they found. */
-#define LEFT_TO_CELLS 10
+#define LEFT_TO_CELLS 3
 
 enum {
   MOST_IN_CELLS = 50000, /* points of an element and a receiver in cells */
-  BATCHES = 32,          /* of scattered points, before cells are cut */
   CHUNKS = 128,   /* of elements, each with its own sums: the same bits for any number of threads */
   LEAST_RULE = 2, /* points per direction where the bound alone is small enough */
   PART_RULE = 4,  /* least points per direction of those to compare, on parts of an element */
   N_RULE = 4,     /* rules on a cell: the least; two to compare; one more, if these differ */
-  DEEPEST = 60,          /* halvings of an element */
+  DEEPEST = 60,   /* halvings of an element */
   MOST_IN_PARTS = 400000 /* factors of an element and a receiver */
 };
 
@@ -50,13 +50,14 @@ struct receive {
   const double *tolerance;
   double accuracy; /* of the factors, relative */
   double *portion; /* owned [n_element] of the tolerance that an element may use up */
+  double *open;    /* owned [n_receiver, n_weight] int |w| F without the shadows that may fall */
   double *value, *error, *variance; /* owned [CHUNKS, n_receiver, n_weight] */
 };
 
 /* What a cell sends, by rule; made when it is asked for. */
 struct lights {
   struct rad_light_cell cell;
-  int points;    /* per direction of the first two rules to compare */
+  int points; /* per direction of the first two rules to compare */
   unsigned n; /* rules that are set */
   struct rad_light rule[N_RULE];
 };
@@ -67,9 +68,9 @@ struct worker {
   struct rad_cell_scratch *cells; /* owned */
   enum rad_code code;             /* the first error, and its text */
   struct rad_error error;
-  struct rad_light scattered[BATCHES];
-  int n_scattered;                       /* batches that are set */
-  struct lights whole, part;             /* of the element at hand, of a cell of it */
+  struct rad_light scattered[RAD_SCATTERED];
+  int n_scattered;           /* that are set */
+  struct lights whole, part; /* of the element at hand, of a cell of it */
   int64_t factors;
 };
 
@@ -171,27 +172,36 @@ static void by_cells(const struct receive *r, int element, const struct receiver
 /* ---- scattered points ---------------------------------------------------------------------------
  */
 
-/* Sums of every replicate over one more batch. */
-static void add_batch(const struct receive *r, const struct rad_light *light,
-                      const struct receiver *to, double (*sum)[RAD_REPLICATES], struct worker *w) {
-  double f[RAD_MAX_SENDER];
-  rad_point_factors(&r->receivers, &light->senders, &to->at, f, &w->scratch);
-  w->factors += light->senders.n;
-  for (int k = 0; k < r->w->n; k++)
-    for (int q = 0; q < RAD_SCATTERED; q++)
-      sum[k][q / RAD_EACH] += f[q] * light->flux[k][q];
+/* What every copy of a lattice finds. */
+static void sum_copies(const struct receive *r, int set, const struct receiver *to,
+                       double (*sum)[RAD_REPLICATES], struct worker *w) {
+  const struct rad_lattice *lattice = &rad_lattice[set];
+  int light = 0;
+  for (int s = 0; s < set; s++)
+    light += RAD_REPLICATES / rad_lattice[s].at_once;
+  for (int first = 0; first < RAD_REPLICATES; first += lattice->at_once, light++) {
+    double f[RAD_MAX_SENDER];
+    struct rad_light *l = &w->scattered[light];
+    if (light == w->n_scattered)
+      rad_light_scatter(r->w, &w->whole.cell, lattice, first, &w->scattered[w->n_scattered++]);
+    rad_point_factors(&r->receivers, &l->senders, &to->at, f, &w->scratch);
+    w->factors += l->senders.n;
+    for (int k = 0; k < r->w->n; k++)
+      for (int q = 0; q < l->senders.n; q++)
+        sum[k][first + q / lattice->n] += f[q] * l->flux[k][q];
+  }
 }
 
-/* Mean of the replicates and its variance, not below that of a feature that n points just miss. */
-static void judge(const double sum[RAD_REPLICATES], int batches, double unshaded, double *value,
+/* Mean of the copies and its variance, not below that of a feature that n points just miss. */
+static void judge(const double sum[RAD_REPLICATES], int n, double unshaded, double *value,
                   double *variance) {
-  double mean = 0, square = 0, n = (double)batches * RAD_SCATTERED;
+  double mean = 0, square = 0, missed = unshaded / (SIGMAS * n);
   for (int i = 0; i < RAD_REPLICATES; i++)
-    mean += sum[i] / batches / RAD_REPLICATES;
+    mean += sum[i] / RAD_REPLICATES;
   for (int i = 0; i < RAD_REPLICATES; i++)
-    square += (sum[i] / batches - mean) * (sum[i] / batches - mean);
+    square += (sum[i] - mean) * (sum[i] - mean);
   *value = mean;
-  *variance = square / (RAD_REPLICATES * (RAD_REPLICATES - 1.0)) + unshaded * unshaded / (n * n);
+  *variance = square / (RAD_REPLICATES * (RAD_REPLICATES - 1.0)) + missed * missed;
 }
 
 /* int |w_k| F dS without shadows. */
@@ -209,23 +219,33 @@ static void unshaded(const struct receive *r, const struct receiver *to, double 
   }
 }
 
+/* True if the variances are within their share, times more. Half of it goes by element, half by
+ * what is sent: strong pairs may have larger ones, which takes the fewest points in all. */
+static int is_certain(const struct receive *r, const struct receiver *to, double portion,
+                      const double *most, const double *variance, double times) {
+  double half = 0.5 * r->to->triangle[to->at.triangle].area;
+  const double *open = r->open + (size_t)(to->at.triangle - r->first) * (size_t)r->w->n;
+  for (int k = 0; k < r->w->n; k++) {
+    double part = 0.5 * (portion + (open[k] > 0 ? most[k] / open[k] : 0));
+    if (!(SIGMAS * sqrt(variance[k]) <= times * half * r->tolerance[k] * sqrt(part)))
+      return 0;
+  }
+  return 1;
+}
+
 /* Randomised points on the whole element; errors of elements are independent, so that variances add
  * up. 1 if that was good enough. */
-static int by_points(const struct receive *r, const struct rad_light_cell *cell,
-                     const struct receiver *to, double share, struct worker *w) {
-  double sum[RAD_MAX_WEIGHT][RAD_REPLICATES] = {{0}}, most[RAD_MAX_WEIGHT];
-  double value[RAD_MAX_WEIGHT], variance[RAD_MAX_WEIGHT];
+static int by_points(const struct receive *r, const struct receiver *to, double portion,
+                     struct worker *w) {
+  double most[RAD_MAX_WEIGHT], value[RAD_MAX_WEIGHT], variance[RAD_MAX_WEIGHT];
   unshaded(r, to, most, w);
-  for (int batch = 0; batch < BATCHES; batch++) {
-    double spread[RAD_MAX_WEIGHT];
-    if (batch == w->n_scattered)
-      rad_light_scatter(r->w, cell, w->n_scattered++, &w->scattered[batch]);
-    add_batch(r, &w->scattered[batch], to, sum, w);
-    for (int k = 0; k < r->w->n; k++) {
-      judge(sum[k], batch + 1, most[k], &value[k], &variance[k]);
-      spread[k] = SIGMAS * sqrt(variance[k]);
-    }
-    if (!is_within(r, spread, batch < BATCHES - 1 ? share : LEFT_TO_CELLS * share))
+  for (int set = 0; set < RAD_N_LATTICE; set++) {
+    double sum[RAD_MAX_WEIGHT][RAD_REPLICATES] = {{0}};
+    sum_copies(r, set, to, sum, w);
+    for (int k = 0; k < r->w->n; k++)
+      judge(sum[k], rad_lattice[set].n * RAD_REPLICATES, most[k], &value[k], &variance[k]);
+    double least = set < RAD_N_LATTICE - 1 ? 1 : LEFT_TO_CELLS;
+    if (!is_certain(r, to, portion, most, variance, least))
       continue;
     for (int k = 0; k < r->w->n; k++) {
       to->value[k] += value[k];
@@ -354,15 +374,18 @@ static double rounding(const struct receive *r, const struct rad_light *light, d
   return least;
 }
 
+static void begin_element(const struct receive *r, int element, struct worker *w) {
+  w->whole.cell = rad_light_cell_whole(r->w->mesh, element);
+  w->whole.n = 0;
+  w->whole.points = rule_of(&r->w->mesh->element[element]);
+  w->n_scattered = 0;
+}
+
 static void send(const struct receive *r, int chunk, int element, struct worker *w) {
   const struct rad_mesh *mesh = r->w->mesh;
   int n = r->to->n_triangle, from = rad_element_triangle(mesh, element);
   const unsigned char *sees = r->to->visibility->sight + (size_t)from * (size_t)n;
-  const struct rad_light_cell cell = rad_light_cell_whole(mesh, element);
-  w->whole.cell = cell;
-  w->whole.n = 0;
-  w->whole.points = rule_of(&mesh->element[element]);
-  w->n_scattered = 0;
+  begin_element(r, element, w);
   for (int t = r->first; t < n && !rad_stop_asked(); t++) {
     if (sees[t] == RAD_HIDDEN)
       continue;
@@ -379,10 +402,27 @@ static void send(const struct receive *r, int chunk, int element, struct worker 
     if (by_rules(r, &w->whole, &to, half * portion, 0, w))
       continue;
     if (to.at.sight == RAD_FREE && !is_cut)
-      by_halves(r, &cell, &to, half * portion, LEAST_PART * half * portion, 0,
+      by_halves(r, &w->whole.cell, &to, half * portion, LEAST_PART * half * portion, 0,
                 w->factors + MOST_IN_PARTS, w);
-    else if (to.at.sight == RAD_FREE || !by_points(r, &cell, &to, half * sqrt(portion), w))
+    else if (to.at.sight == RAD_FREE || !by_points(r, &to, portion, w))
       by_cells(r, element, &to, half * portion, w);
+  }
+}
+
+/* What a receiver would get from elements that it sees in part if nothing stood between. */
+static void set_open(const struct receive *r, int triangle, struct worker *w) {
+  int n = r->to->n_triangle;
+  const unsigned char *sight = r->to->visibility->sight;
+  double *open = r->open + (size_t)(triangle - r->first) * (size_t)r->w->n, most[RAD_MAX_WEIGHT];
+  const struct receiver to = {.at = {triangle, RAD_FREE, 1e-3}};
+  for (int i = 0; i < r->w->mesh->n_element && !rad_stop_asked(); i++) {
+    size_t from = (size_t)rad_element_triangle(r->w->mesh, i);
+    if (!(r->portion[i] > 0) || sight[from * (size_t)n + (size_t)triangle] != RAD_PARTLY)
+      continue;
+    begin_element(r, i, w);
+    unshaded(r, &to, most, w);
+    for (int k = 0; k < r->w->n; k++)
+      open[k] += most[k];
   }
 }
 
@@ -401,6 +441,9 @@ static void gather(struct receive *r, struct rad_received *out) {
 static void run(struct receive *r, struct worker *worker) {
   int n_element = r->w->mesh->n_element;
   struct rad_progress *progress = r->w->mesh->scene->progress;
+#pragma omp parallel for schedule(dynamic) default(none) shared(r, worker)
+  for (int t = r->first; t < r->to->n_triangle; t++)
+    set_open(r, t, &worker[omp_get_thread_num()]);
   rad_progress_begin(progress, "elements", n_element);
 #pragma omp parallel for schedule(dynamic) default(none) shared(r, worker, n_element, progress)
   for (int c = 0; c < CHUNKS; c++)
@@ -432,10 +475,11 @@ static enum rad_code begin(struct receive *r, struct rad_error *e) {
   if (code)
     return code;
   r->portion = rad_alloc((size_t)r->w->mesh->n_element, sizeof(double));
+  r->open = rad_calloc(n, sizeof(double));
   r->value = rad_calloc(CHUNKS * n, sizeof(double));
   r->error = rad_calloc(CHUNKS * n, sizeof(double));
   r->variance = rad_calloc(CHUNKS * n, sizeof(double));
-  return r->portion && r->value && r->error && r->variance
+  return r->portion && r->open && r->value && r->error && r->variance
              ? RAD_OK
              : rad_fail_memory(e, "the means", 16.0 * CHUNKS * (double)n);
 }
@@ -488,6 +532,7 @@ enum rad_code rad_receive(const struct rad_weights *w, const struct rad_scene *t
   free(worker);
   rad_receivers_free(&r.receivers);
   free(r.portion);
+  free(r.open);
   free(r.value);
   free(r.error);
   free(r.variance);

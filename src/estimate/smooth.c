@@ -64,8 +64,8 @@ static double axis_of_point(const struct way *w, const double point[3]) {
   return axis(rad_dot(to, w->h) / h2, rad_norm(normal) / h2);
 }
 
-/* |(y - p) x e|^2 = |A + z B|^2 = 0; INFINITY if y is then beside the edge's ends, where the line is
- * none of T's. */
+/* |(y - p) x e|^2 = |A + z B|^2 = 0; INFINITY if y is then beside the edge's ends, where the line
+ * is none of T's. */
 static double axis_of_line(const struct way *w, const double line[2][3]) {
   double e[3], to[3], a[3], b[3], ab[3];
   rad_sub(line[1], line[0], e);

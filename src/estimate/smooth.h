@@ -4,8 +4,9 @@
 
 #include "estimate/light_cell.h"
 
-/* What F(y -> T) is singular at, for y in the plane of the sender: the ends of T's edges, also those
- * where the sender's plane cuts them, and the edges themselves unless they lie in that plane. */
+/* What F(y -> T) is singular at, for y in the plane of the sender: the ends of T's edges, also
+ * those where the sender's plane cuts them, and the edges themselves unless they lie in that plane.
+ */
 struct rad_singular {
   int n_point, n_line;
   double point[6][3], line[3][2][3]; /* [m] */

@@ -61,8 +61,8 @@ INLINE struct sums add_side(const int wide, struct sums s, struct vec a, struct 
 
 /* RAD_FACET_LANES targets. Returns 1 if there are NANs, 2 if an angle is too wide. */
 INLINE int lanes(const int wide, const struct rad_facet_source *s,
-                 const struct rad_facet_targets *t, int first,
-                 struct rad_facet_error allowed, double *restrict value) {
+                 const struct rad_facet_targets *t, int first, struct rad_facet_error allowed,
+                 double *restrict value) {
   const struct vec v0 = load(s->v[0]), v1 = load(s->v[1]), v2 = load(s->v[2]);
   const struct vec s0 = load(s->side[0]), s1 = load(s->side[1]), s2 = load(s->side[2]);
   const struct vec normal = load(s->normal);
@@ -82,8 +82,8 @@ INLINE int lanes(const int wide, const struct rad_facet_source *s,
     lowest = lowest < hc ? lowest : hc;
     int visible = dot(a, normal) < 0;
     double error = fabs(scale) * ROUNDING * sums.rounding;
-    int sure = lowest >= -depth &&
-               (error <= allowed.relative * result || error <= allowed.absolute);
+    int sure =
+        lowest >= -depth && (error <= allowed.relative * result || error <= allowed.absolute);
     value[i] = visible ? (sure ? result : NAN) : 0;
     flags |= (visible && !sure ? 1 : 0) | (sums.widest > 0 ? 2 : 0);
   }
@@ -134,8 +134,7 @@ static struct vec corner(const double b[2], const struct vec r[3]) {
 }
 
 double rad_facet_part(const struct rad_facet_source *s, const struct rad_facet_targets *targets,
-                      int target, const struct rad_polygon *part,
-                      struct rad_facet_error allowed) {
+                      int target, const struct rad_polygon *part, struct rad_facet_error allowed) {
   struct vec r[3],
       n = {targets->normal[0][target], targets->normal[1][target], targets->normal[2][target]};
   struct sums sums = {0, 0, 0};

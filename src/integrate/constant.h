@@ -56,8 +56,7 @@ int rad_facet_values(const struct rad_facet_source *s, const struct rad_facet_ta
  * @return the value, or NAN where rounding exceeds what is allowed
  */
 double rad_facet_part(const struct rad_facet_source *s, const struct rad_facet_targets *targets,
-                      int target, const struct rad_polygon *part,
-                      struct rad_facet_error allowed);
+                      int target, const struct rad_polygon *part, struct rad_facet_error allowed);
 
 /* The part of the source in front of the plane of a target (cut: it crosses that plane), or all. */
 void rad_facet_front(const struct rad_facet_source *s, const struct rad_facet_targets *targets,

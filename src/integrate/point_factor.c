@@ -75,7 +75,8 @@ static void by_patch(const struct rad_receivers *r, const struct rad_senders *s,
 
 /* Values that the vector loop was not sure of: cut at the horizon, or hard to round. */
 static void with_care(const struct rad_receivers *r, const struct rad_senders *s,
-                      const struct rad_receiver *to, struct rad_facet_error allowed, double *value, struct rad_scratch *scratch) {
+                      const struct rad_receiver *to, struct rad_facet_error allowed, double *value,
+                      struct rad_scratch *scratch) {
   const struct rad_triangle *t = r->scene->triangle;
   struct rad_facet_targets all = targets_of(s);
   int cut = rad_side_of(&t[s->triangle], &t[to->triangle]) == RAD_ACROSS;

@@ -42,7 +42,8 @@ struct rad_receiver {
  * F(y_q -> T) = int_T G(y_q, x) dS_x for all points of s, with shadows              (theory 3.9)
  *
  * @param[out] value  [RAD_MAX_SENDER], s->n of them set
- * Each to the receivers' tolerance, or to the rounding allowed. Thread-safe with its own scratch, which is one of r->mesh.
+ * Each to the receivers' tolerance, or to the rounding allowed. Thread-safe with its own scratch,
+ * which is one of r->mesh.
  */
 void rad_point_factors(const struct rad_receivers *r, const struct rad_senders *s,
                        const struct rad_receiver *to, double *value, struct rad_scratch *scratch);

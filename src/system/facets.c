@@ -91,7 +91,8 @@ static double with_care(const struct facets *f, const struct rad_facet_source *s
   struct rad_facet_targets all = targets_in(f->component, f->room);
   struct rad_polygon front;
   rad_facet_front(source, &all, i, rad_side_of(&t[i], &t[j]) == RAD_ACROSS, &front);
-  double value = rad_facet_part(source, &all, i, &front, (struct rad_facet_error){f->rules->tolerance, 0});
+  double value =
+      rad_facet_part(source, &all, i, &front, (struct rad_facet_error){f->rules->tolerance, 0});
   if (isnan(value))
     return by_patch(f, i, j, scratch);
   scratch->counters.far++;
@@ -119,7 +120,8 @@ static void fill_seen(const struct facets *f, const struct rad_facet_source *sou
     targets = targets_in(gathered, TILE);
   }
   for (int at = 0; at < padded; at += RAD_FACET_LANES)
-    doubts |= rad_facet_values(source, &targets, at, (struct rad_facet_error){f->rules->tolerance, 0}, value + at);
+    doubts |= rad_facet_values(source, &targets, at,
+                               (struct rad_facet_error){f->rules->tolerance, 0}, value + at);
   scratch->counters.far += seen;
   for (int i = 0; i < seen; i++)
     k[list[i]] = value[i];

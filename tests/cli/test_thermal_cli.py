@@ -23,7 +23,7 @@ class Thermal(Case):
         self.assertLessEqual(abs(float(total[1])), float(total[2]))
         self.assertAlmostEqual(float(total[3]), 40000, delta=10)
         text = self.done("info", "f.vtkhdf").stdout
-        for pattern in (r"mean_net_flux +net_power +temperature\n", r"\n  load +1 .* 700\n",
+        for pattern in (r"mean_net_flux +net_power +error_net_power +temperature\n", r"\n  load +1 .* 700\n",
                         r"net_flux +temperature\n", r"/VTKHDF/PointData/temperature .*\] K:",
                         r"/VTKHDF/CellData/net_flux .*\] W/m2", r"/polyrad/triangles/emissivity"):
             self.assertRegex(text, pattern)

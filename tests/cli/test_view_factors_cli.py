@@ -31,7 +31,7 @@ def exact(s, t):
     return 0 if s == t else OPPOSITE if s // 2 == t // 2 else NEIGHBOUR
 
 
-class ViewFactors(test_cli.Case):
+class Numbers(test_cli.Case):
     def numbers(self, file, name):
         if not shutil.which("h5dump"):
             self.skipTest("h5dump is not installed")
@@ -42,6 +42,8 @@ class ViewFactors(test_cli.Case):
         data = p.stdout[p.stdout.index("DATA {"):p.stdout.index("ATTRIBUTE")]
         return [float(x) for x in re.findall(r"[-+0-9.e]+(?=[,\s])|nan", data[6:])]
 
+
+class ViewFactors(Numbers):
     def look(self, tolerance, *options):
         out = self.done("run", "deck.yml", "-o", "a.h5", *options).stdout
         self.assertIn("6 x 6 view factors", out)

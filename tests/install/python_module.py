@@ -30,6 +30,10 @@ class Module(unittest.TestCase):
         means, _ = s.surface_means()
         self.assertEqual(means.shape, (3, 1))
         self.assertTrue((means[:, 0] > [0.5, 1, 0.3]).all())
+        close, error = corner(), s.surface_errors()
+        close.solve(tolerance=1e-7, threads=1)
+        for coarse, fine, most in zip(s.surface_means(), close.surface_means(), error):
+            self.assertTrue((abs(coarse - fine) <= most).all() and (most <= 2e-4).all())
         f = s.view_factors(1e-5)
         np.testing.assert_allclose(f, f.T, atol=2e-5)
         self.assertEqual(s.warnings, [])

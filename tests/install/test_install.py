@@ -15,7 +15,7 @@ import unittest
 
 BUILD, SOURCE = (pathlib.Path(os.environ[k]) for k in ("POLYRAD_BUILD", "POLYRAD_SOURCE"))
 CC = shlex.split(os.environ.get("CC") or "cc")
-CALLS = {"create", "solve", "get_summary", "evaluate", "evaluate_at", "surface_means", "surface_heat",
+CALLS = {"create", "solve", "get_summary", "evaluate", "evaluate_at", "surface_means", "surface_errors", "surface_heat",
          "view_factors", "error_text", "warning", "free", "version"}
 
 

@@ -92,7 +92,8 @@ static int compare(const struct rad_triangle *source, const struct targets *t, d
   double lane[RAD_FACET_LANES];
   int given_up = 0;
   rad_facet_source_set(source, &s);
-  int doubts = rad_facet_values(&s, &t->view, 0, (struct rad_facet_error){tolerance, 0}, lane), nans = 0;
+  int doubts = rad_facet_values(&s, &t->view, 0, (struct rad_facet_error){tolerance, 0}, lane),
+      nans = 0;
   for (int i = 0; i < RAD_FACET_LANES; i++) {
     double value = value_of(source, t, i, tolerance, lane);
     long double exact = oracle_lambert(&t->point[i], 3, source->v, source->normal);
@@ -264,8 +265,8 @@ START_TEST(parts_add_up) {
     double c[3] = {uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
     rad_clip(&left, c[0], c[1], c[2]);
     rad_clip(&right, -c[0], -c[1], -c[2]);
-    double sum =
-        rad_facet_part(&s, &t.view, 0, &left, (struct rad_facet_error){1, 0}) + rad_facet_part(&s, &t.view, 0, &right, (struct rad_facet_error){1, 0});
+    double sum = rad_facet_part(&s, &t.view, 0, &left, (struct rad_facet_error){1, 0}) +
+                 rad_facet_part(&s, &t.view, 0, &right, (struct rad_facet_error){1, 0});
     double all = rad_facet_part(&s, &t.view, 0, &whole, (struct rad_facet_error){1e-12, 0});
     ck_assert_msg(fabs(sum - all) < 2e-15, "%g, seed %llu", sum - all, seed());
     ck_assert_double_gt(all, 0.01);

@@ -34,12 +34,17 @@ START_TEST(test_layout) {
                   {"/polyrad/surfaces/area", 1, {2}},
                   {"/polyrad/surfaces/mean_radiosity", 2, {2, 2}},
                   {"/polyrad/surfaces/mean_irradiance", 2, {2, 2}},
+                  {"/polyrad/surfaces/error_radiosity", 2, {2, 2}},
+                  {"/polyrad/surfaces/error_irradiance", 2, {2, 2}},
                   {"/polyrad/triangles/vertices", 3, {3, 3, 3}},
                   {"/polyrad/triangles/normal", 2, {3, 3}},
                   {"/polyrad/triangles/surface", 1, {3}},
                   {"/polyrad/triangles/rho", 2, {3, 2}},
                   {"/polyrad/triangles/emission", 2, {3, 2}},
+                  {"/polyrad/triangles/area", 1, {3}},
                   {"/polyrad/triangles/mean_radiosity", 2, {3, 2}},
+                  {"/polyrad/triangles/error_radiosity", 2, {3, 2}},
+                  {"/polyrad/triangles/error_irradiance", 2, {3, 2}},
                   {"/polyrad/solution/point", 2, {5, 3}},
                   {"/polyrad/solution/triangle", 1, {5}},
                   {"/polyrad/solution/value", 2, {5, 2}},
@@ -68,7 +73,7 @@ START_TEST(test_layout) {
     check_shape(file, expected[k].name, expected[k].rank, expected[k].shape);
   int n_dataset = 0;
   H5Lvisit(file, H5_INDEX_NAME, H5_ITER_INC, check_labels, &n_dataset);
-  ck_assert_int_eq(n_dataset, 4 + 7 + 3 + 5 + 7 + 5 + 6 + 1);
+  ck_assert_int_eq(n_dataset, 6 + 10 + 3 + 5 + 7 + 5 + 6 + 1);
   check_text(file, "/polyrad/surfaces/area", "unit", "m2");
   check_text(file, "/polyrad/solution/value", "unit", "W/m2");
   H5Fclose(file);
