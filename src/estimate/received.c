@@ -23,6 +23,9 @@
 /* Standard errors that a stated error has, with Student's t of RAD_REPLICATES in mind. */
 #define SIGMAS 5.5
 
+/* Of these the share of a pair is made: the sum of many pairs uses less than its part. */
+#define SHARE_SIGMAS 4
+
 /* Least part of its share that a small cell of an element gets. */
 #define LEAST_PART 0.02
 
@@ -227,7 +230,7 @@ static int is_certain(const struct receive *r, const struct receiver *to, double
   const double *open = r->open + (size_t)(to->at.triangle - r->first) * (size_t)r->w->n;
   for (int k = 0; k < r->w->n; k++) {
     double part = 0.5 * (portion + (open[k] > 0 ? most[k] / open[k] : 0));
-    if (!(SIGMAS * sqrt(variance[k]) <= times * half * r->tolerance[k] * sqrt(part)))
+    if (!(SHARE_SIGMAS * sqrt(variance[k]) <= times * half * r->tolerance[k] * sqrt(part)))
       return 0;
   }
   return 1;

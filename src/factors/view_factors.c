@@ -64,6 +64,27 @@ static void finish(struct rad_view_factors *f, const double *area) {
   }
 }
 
+/* More than 1 is an error of the program. */
+static enum rad_code check_rows(const struct rad_scene *scene, const struct rad_view_factors *f,
+                                struct rad_error *e) {
+  for (int s = 0; s < f->n; s++) {
+    double error = 1e-9;
+    int t = 0;
+    for (int i = 0; i < f->n; i++)
+      error += f->error[(size_t)s * (size_t)f->n + (size_t)i];
+    if (f->row_sum[s] <= 1 + error)
+      continue;
+    while (scene->triangle[t].surface != s)
+      t++;
+    return rad_fail(e, RAD_ENUMERIC,
+                    "the view factors of surface '%s' (triangle %d and others) sum to %.9g, and no "
+                    "more than 1 is possible (to their error, %.1g): an error of polyrad; please "
+                    "report the deck",
+                    scene->surface_name[s], t + 1, f->row_sum[s], error);
+  }
+  return RAD_OK;
+}
+
 static void judge(const struct rad_pairs *p, struct rad_view_factors *f) {
   f->points = p->points;
   f->converged = f->worst_error <= f->tolerance;
@@ -96,6 +117,7 @@ enum rad_code rad_view_factors(const struct rad_scene *scene, double tolerance, 
     add_pairs(&p, f, area);
     finish(f, area);
     judge(&p, f);
+    code = check_rows(scene, f, e);
   }
   rad_pairs_free(&p);
   rad_pair_engine_free(&g);

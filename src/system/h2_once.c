@@ -33,9 +33,10 @@ enum rad_code rad_once_begin(const struct rad_mesh *mesh, const struct rad_rules
   size_t n = (size_t)o->tree.n_cluster, total = o->blocks.far.first[n];
   o->is_source = rad_calloc(n, 1);
   o->has_light = rad_calloc((size_t)mesh->n_element, 1);
+  o->is_lit = rad_calloc(n, 1);
   o->n_target = rad_calloc(n, sizeof(int));
   o->mean = rad_calloc(total, sizeof(double));
-  if (!o->is_source || !o->has_light || !o->n_target || !o->mean)
+  if (!o->is_source || !o->has_light || !o->is_lit || !o->n_target || !o->mean)
     return rad_fail_memory(e, "products by interpolation", 8.0 * (double)total);
   mark_sources(o);
   return RAD_OK;
@@ -48,6 +49,12 @@ static void find_light(struct rad_once *o) {
     for (int v = 0; v < o->n_vector; v++)
       for (int f = el->first; f < el->first + el->n_function; f++)
         o->has_light[i] |= o->u[v][f] != 0;
+  }
+  for (int c = o->tree.n_cluster - 1; c >= 0; c--) {
+    const struct rad_cluster *t = &o->tree.cluster[c];
+    o->is_lit[c] = t->child >= 0 && (o->is_lit[t->child] || o->is_lit[t->child + 1]);
+    for (int i = t->element; t->child < 0 && i < t->element + t->n_element; i++)
+      o->is_lit[c] |= o->has_light[o->tree.element[i]];
   }
 }
 
@@ -92,12 +99,15 @@ static void go_up(struct rad_once *o, const struct up *w) {
     const struct up *own = &w[omp_get_thread_num()];
 #pragma omp for schedule(dynamic)
     for (int c = 0; c < tree->n_cluster; c++)
-      if (o->is_source[c] && tree->cluster[c].child < 0)
+      if (o->is_source[c] && !o->is_lit[c])
+        memset(rad_once_moments(o, c), 0,
+               sizeof(double) * (size_t)o->n_vector * (size_t)o->p.n);
+      else if (o->is_source[c] && tree->cluster[c].child < 0)
         leaf_up(o, c, own);
     for (int level = tree->n_level - 2; level >= 0; level--)
 #pragma omp for schedule(dynamic)
       for (int c = tree->level_first[level]; c < tree->level_first[level + 1]; c++)
-        if (o->is_source[c] && tree->cluster[c].child >= 0)
+        if (o->is_source[c] && o->is_lit[c] && tree->cluster[c].child >= 0)
           parent_up(o, c, own->value);
   }
 }
@@ -136,6 +146,7 @@ void rad_once_free(struct rad_once *o) {
   rad_pages_free(o->moment, o->moment ? rad_once_bytes(o) : 0);
   free(o->is_source);
   free(o->has_light);
+  free(o->is_lit);
   free(o->n_target);
   free(o->mean);
   rad_blocks_free(&o->blocks);

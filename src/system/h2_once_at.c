@@ -67,6 +67,9 @@ static RAD_CLONES void far_blocks(const struct product *p, int c, double *kernel
   double *local = local_of(p, c);
   for (size_t b = o->blocks.far.first[c]; b < o->blocks.far.first[c + 1]; b++) {
     int s = o->blocks.far.source[b];
+    o->mean[b] = 0;
+    if (!o->is_lit[s])
+      continue;
     rad_interpolation_kernel(&o->p, &o->tree, &cluster[c], &cluster[s], kernel);
     double sum = 0;
 #pragma omp simd reduction(+ : sum)

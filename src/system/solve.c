@@ -60,6 +60,25 @@ static int find_closed_white(const struct rad_operator *k, const double *rho, co
   return -1;
 }
 
+/* K1 is the part of its hemisphere that a point sees: more than 1 is an error of the program. */
+static enum rad_code check_hemispheres(const struct rad_operator *k, const double *k1, double slack,
+                                       struct rad_error *e) {
+  const struct rad_scene *scene = k->mesh->scene;
+  int worst = 0;
+  for (int i = 0; i < k->n; i++)
+    if (!(k1[i] <= k1[worst]))
+      worst = i;
+  if (k->n == 0 || k1[worst] <= 1 + slack)
+    return RAD_OK;
+  int t = 0;
+  while (k->mesh->point_first[t + 1] <= worst)
+    t++;
+  return rad_fail(e, RAD_ENUMERIC,
+                  "a point of triangle %d (%s) sees %.9g of its hemisphere, and no more than 1 is "
+                  "possible (to %.1g): an error of polyrad; please report the deck",
+                  t + 1, scene->surface_name[scene->triangle[t].surface], k1[worst], slack);
+}
+
 /* kappa, and refusal of scenes where light is never lost. */
 static enum rad_code check_contraction(const struct rad_operator *k, const double *rho,
                                        double quadrature, int n_part, const int *part,
@@ -77,9 +96,11 @@ static enum rad_code check_contraction(const struct rad_operator *k, const doubl
   double slack = fmax(1e-6, 20 * quadrature);
   if (*kappa > 1 - slack)
     white = find_closed_white(k, rho, k1, slack, n_part, part);
+  enum rad_code code =
+      white < 0 ? check_hemispheres(k, k1, slack + (k->h2 ? 20 * k->h2->error : 0), e) : RAD_OK;
   free(one);
   if (white < 0)
-    return RAD_OK;
+    return code;
   const struct rad_scene *scene = k->mesh->scene;
   if (scene->heat && scene->heat[white].kind == RAD_HEAT_FLUX)
     return rad_fail(e, RAD_ENUMERIC,

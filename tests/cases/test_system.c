@@ -192,6 +192,28 @@ START_TEST(bands) {
 }
 END_TEST
 
+/* A point cannot see more than its hemisphere: a wrong entry is told, with its triangle. */
+START_TEST(more_than_a_hemisphere) {
+  struct rad_case c;
+  struct rad_error e;
+  struct rad_solve_report report;
+  solve(0, "lu", &c);
+  size_t n = (size_t)c.dense.n, row = n - 3;
+  double *u = calloc(4 * n, sizeof(double)), *h = u + n, *r = h + n, *light = r + n;
+  for (size_t i = 0; i < n; i++)
+    r[i] = 0.5;
+  light[0] = 1;
+  struct rad_operator k = rad_operator_dense(&c.dense);
+  struct rad_solve_options options = {.solver = RAD_SOLVER_LU, .quadrature = 1e-9};
+  ck_assert_int_eq(rad_solve(&k, &options, 1, r, light, u, h, &report, &e), RAD_OK);
+  c.dense.k[row + n * 5] += 2e-6;
+  ck_assert_int_eq(rad_solve(&k, &options, 1, r, light, u, h, &report, &e), RAD_ENUMERIC);
+  ck_assert_msg(strstr(e.text, "hemisphere") && strstr(e.text, "triangle 12 "), "%s", e.text);
+  free(u);
+  rad_case_free(&c);
+}
+END_TEST
+
 int main(void) {
   Suite *s = suite_create("system");
   TCase *c = tcase_create("system");
@@ -201,6 +223,7 @@ int main(void) {
   tcase_add_loop_test(c, solvers_agree, 0, N_METHOD);
   tcase_add_loop_test(c, bands, 0, 2);
   tcase_add_loop_test(c, independent_parts, 0, 2);
+  tcase_add_test(c, more_than_a_hemisphere);
   suite_add_tcase(s, c);
   return run_suite(s);
 }
