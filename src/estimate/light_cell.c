@@ -114,7 +114,7 @@ void rad_light_set(const struct rad_weights *w, const struct rad_light_cell *cel
   set_flux(w, e, n, lp, lr, light);
 }
 
-/* w_k at scattered points, times dS. */
+/* w_k at points (sigma, tau), times dS. */
 static void scatter_flux(const struct rad_weights *w, const struct rad_element *e,
                          const double (*at)[2], struct rad_light *light) {
   const struct rad_mesh *mesh = w->mesh;
@@ -146,29 +146,57 @@ static double tent(double x) {
   return 1 - fabs(2 * (x - floor(x)) - 1);
 }
 
+/* A cell in the variables t and r^2 / 2, in which all of its points count the same. */
+struct even {
+  double t[2], r2[2];
+};
+
+static struct even even_of(const struct rad_mesh *mesh, const struct rad_light_cell *cell) {
+  const struct rad_element *e = &mesh->element[cell->element];
+  const struct rad_patch *p = &mesh->patch[e->patch];
+  struct even v;
+  for (int k = 0; k < 2; k++) {
+    double r = rad_graded(cell->tau[k], e->p_r);
+    v.t[k] = rad_angle_t(p->angle, rad_graded(cell->sigma[k], e->p_phi));
+    v.r2[k] = r * r;
+  }
+  return v;
+}
+
+static double between(const double range[2], double x) {
+  return range[0] + x * (range[1] - range[0]);
+}
+
+static double within(double x, const double range[2]) {
+  return fmin(fmax(x, range[0]), range[1]);
+}
+
 void rad_light_scatter(const struct rad_weights *w, const struct rad_light_cell *cell,
                        const struct rad_lattice *lattice, int first, struct rad_light *light) {
   const struct rad_mesh *mesh = w->mesh;
   const struct rad_element *e = &mesh->element[cell->element];
   const struct rad_patch *p = &mesh->patch[e->patch];
-  const double low[2] = {cell->sigma[0], cell->tau[0]};
-  const double width[2] = {cell->sigma[1] - low[0], cell->tau[1] - low[1]};
+  const struct even even = even_of(mesh, cell);
   double at[RAD_MAX_SENDER][2];
   int n = lattice->n;
-  light->senders.triangle = p->triangle;
-  light->senders.n = n * lattice->at_once;
-  light->area = 0;
-  for (int q = 0; q < light->senders.n; q++) {
+  struct rad_senders *s = &light->senders;
+  s->triangle = p->triangle;
+  s->n = n * lattice->at_once;
+  light->area = 0.5 * p->a1 * p->b2 * (even.t[1] - even.t[0]) * (even.r2[1] - even.r2[0]);
+  for (int q = 0; q < s->n; q++) {
     uint64_t copy = (uint64_t)(first + q / n) + (uint64_t)n * RAD_REPLICATES;
     uint64_t seed = ((uint64_t)cell->element << 20) + 2 * copy;
-    for (uint64_t d = 0; d < 2; d++) {
-      double x = (double)(q % n) * (d ? lattice->step : 1) / n + rad_scramble_unit(seed + d);
-      at[q][d] = low[d] + fmax(tent(x), 1e-12) * width[d];
-    }
-    light->dS[q] = width[0] * width[1] / n * place(e, p, at[q], &light->senders, q);
-    light->area += light->dS[q] / lattice->at_once;
+    double x = tent((double)(q % n) / n + rad_scramble_unit(seed));
+    double y = tent((double)(q % n) * lattice->step / n + rad_scramble_unit(seed + 1));
+    double phi = rad_angle_phi(p->angle, between(even.t, x));
+    double r = sqrt(fmax(between(even.r2, y), 1e-24 * even.r2[1]));
+    s->base[q] = p->base;
+    rad_patch_mu(p, phi, r, s->mu[q]);
+    at[q][0] = within(rad_ungraded(phi, e->p_phi), cell->sigma);
+    at[q][1] = within(rad_ungraded(r, e->p_r), cell->tau);
+    light->dS[q] = light->area / n;
   }
-  rad_senders_finish(mesh->scene, &light->senders);
+  rad_senders_finish(mesh->scene, s);
   scatter_flux(w, e, (const double(*)[2])at, light);
 }
 
@@ -178,10 +206,6 @@ static void to_patch(const struct rad_patch *p, const double lambda[3], double *
   double det = p->mu_a[0] * p->mu_b[1] - p->mu_a[1] * p->mu_b[0];
   *r = (m1 * p->mu_b[1] - m2 * p->mu_b[0]) / det;
   *rt = (p->mu_a[0] * m2 - p->mu_a[1] * m1) / det;
-}
-
-static double within(double x, const double range[2]) {
-  return fmin(fmax(x, range[0]), range[1]);
 }
 
 void rad_light_at(void *context, int n, const double (*lambda)[3], double *value) {

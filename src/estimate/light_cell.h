@@ -56,8 +56,10 @@ void rad_light_set(const struct rad_weights *w, const struct rad_light_cell *cel
 
 /**
  * Randomised points, for an error that no feature between them can fool: RAD_REPLICATES copies of
- * a Fibonacci lattice (i/n, i step/n), each shifted by random numbers of its own from the
- * element's, and folded by the tent 1 - |2 x - 1|, which makes any integrand periodic.
+ * a Fibonacci lattice (i/n, i step/n), each shifted by random numbers of its own from the element's
+ * number, and folded by the tent 1 - |2 x - 1|, which makes any integrand periodic. In variables in
+ * which all points stand for the same area: else a few of them count most, and a spread of copies
+ * means nothing.
  */
 struct rad_lattice {
   int n, step; /* two Fibonacci numbers that follow each other */

@@ -27,7 +27,7 @@
 #define SHARE_SIGMAS 4
 
 /* Least part of its share that a small cell of an element gets. */
-#define LEAST_PART 0.02
+#define LEAST_PART 0.01
 
 /* Points that miss their share by less than this are kept: most others use less than theirs, and
  * the error that is stated is what they found. */
@@ -40,7 +40,7 @@ enum {
   PART_RULE = 4,  /* least points per direction of those to compare, on parts of an element */
   N_RULE = 4,     /* rules on a cell: the least; two to compare; one more, if these differ */
   DEEPEST = 60,   /* halvings of an element */
-  MOST_IN_PARTS = 400000 /* factors of an element and a receiver */
+  MOST_IN_PARTS = 1000000 /* factors of an element and a receiver */
 };
 
 /* Everything that the chunks share. */
@@ -198,7 +198,7 @@ static void sum_copies(const struct receive *r, int set, const struct receiver *
 /* Mean of the copies and its variance, not below that of a feature that n points just miss. */
 static void judge(const double sum[RAD_REPLICATES], int n, double unshaded, double *value,
                   double *variance) {
-  double mean = 0, square = 0, missed = unshaded / (SIGMAS * n);
+  double mean = 0, square = 0, missed = unshaded / n;
   for (int i = 0; i < RAD_REPLICATES; i++)
     mean += sum[i] / RAD_REPLICATES;
   for (int i = 0; i < RAD_REPLICATES; i++)
@@ -272,7 +272,8 @@ static int by_rules(const struct receive *r, struct lights *l, const struct rece
   struct rad_cell_shape shape;
   double most[RAD_MAX_WEIGHT], low[RAD_MAX_WEIGHT], high[RAD_MAX_WEIGHT];
   rad_light_cell_shape(r->w->mesh, &l->cell, &shape);
-  double reach = fine->area * largest_factor(&r->to->triangle[to->at.triangle], &shape);
+  const struct rad_triangle *t = &r->to->triangle[to->at.triangle];
+  double reach = fmin(fine->area * largest_factor(t, &shape), t->area); /* by reciprocity */
   for (int k = 0; k < r->w->n; k++)
     most[k] = fine->most[k] * reach;
   if (is_last || is_within(r, most, share)) {

@@ -100,8 +100,7 @@ static void go_up(struct rad_once *o, const struct up *w) {
 #pragma omp for schedule(dynamic)
     for (int c = 0; c < tree->n_cluster; c++)
       if (o->is_source[c] && !o->is_lit[c])
-        memset(rad_once_moments(o, c), 0,
-               sizeof(double) * (size_t)o->n_vector * (size_t)o->p.n);
+        memset(rad_once_moments(o, c), 0, sizeof(double) * (size_t)o->n_vector * (size_t)o->p.n);
       else if (o->is_source[c] && tree->cluster[c].child < 0)
         leaf_up(o, c, own);
     for (int level = tree->n_level - 2; level >= 0; level--)

@@ -33,7 +33,7 @@ struct rad_once {
   unsigned char *is_lit;    /* owned [n_cluster] an element of it has light */
   double *moment;           /* owned [n_cluster, n_vector, p.n], pages; of sources */
   int *n_target;            /* owned [n_cluster] points of the last product */
-  double *mean;             /* owned [far blocks] mean of G between the nodes; 0 without points or light */
+  double *mean; /* owned [far blocks] mean of G between the nodes; 0 without points or light */
 };
 
 /* A cluster's moments [n_vector, p.n]; bytes of so much for all clusters. */
