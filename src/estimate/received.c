@@ -26,8 +26,12 @@
 /* Of these the share of a pair is made: the sum of many pairs uses less than its part. */
 #define SHARE_SIGMAS 4
 
+/* Part of the tolerance for errors that add up by chance; the others are mostly far below theirs.
+ */
+#define BY_CHANCE 0.8
+
 /* Least part of its share that a small cell of an element gets. */
-#define LEAST_PART 0.01
+#define LEAST_PART 0.02
 
 /* Points that miss their share by less than this are kept: most others use less than theirs, and
  * the error that is stated is what they found. */
@@ -226,11 +230,11 @@ static void unshaded(const struct receive *r, const struct receiver *to, double 
  * what is sent: strong pairs may have larger ones, which takes the fewest points in all. */
 static int is_certain(const struct receive *r, const struct receiver *to, double portion,
                       const double *most, const double *variance, double times) {
-  double half = 0.5 * r->to->triangle[to->at.triangle].area;
+  double area = BY_CHANCE * r->to->triangle[to->at.triangle].area;
   const double *open = r->open + (size_t)(to->at.triangle - r->first) * (size_t)r->w->n;
   for (int k = 0; k < r->w->n; k++) {
     double part = 0.5 * (portion + (open[k] > 0 ? most[k] / open[k] : 0));
-    if (!(SHARE_SIGMAS * sqrt(variance[k]) <= times * half * r->tolerance[k] * sqrt(part)))
+    if (!(SHARE_SIGMAS * sqrt(variance[k]) <= times * area * r->tolerance[k] * sqrt(part)))
       return 0;
   }
   return 1;
@@ -401,15 +405,16 @@ static void send(const struct receive *r, int chunk, int element, struct worker 
                           .error = r->error + at,
                           .variance = r->variance + at};
     rad_singular_set(&r->to->triangle[from], &r->to->triangle[t], &to.singular);
-    double half = 0.5 * r->to->triangle[t].area, portion = r->portion[element];
-    to.at.rounding = rounding(r, light_of(r, &w->whole, 2), half * portion);
-    if (by_rules(r, &w->whole, &to, half * portion, 0, w))
+    double portion = r->portion[element];
+    double share = (1 - BY_CHANCE) * r->to->triangle[t].area * portion;
+    to.at.rounding = rounding(r, light_of(r, &w->whole, 2), share);
+    if (by_rules(r, &w->whole, &to, share, 0, w))
       continue;
     if (to.at.sight == RAD_FREE && !is_cut)
-      by_halves(r, &w->whole.cell, &to, half * portion, LEAST_PART * half * portion, 0,
-                w->factors + MOST_IN_PARTS, w);
+      by_halves(r, &w->whole.cell, &to, share, LEAST_PART * share, 0, w->factors + MOST_IN_PARTS,
+                w);
     else if (to.at.sight == RAD_FREE || !by_points(r, &to, portion, w))
-      by_cells(r, element, &to, half * portion, w);
+      by_cells(r, element, &to, share, w);
   }
 }
 
