@@ -23,6 +23,10 @@
 /* Standard errors that a stated error has, with Student's t of RAD_REPLICATES in mind. */
 #define SIGMAS 5.5
 
+/* A spread that is a larger part of the integral without shadows says that copies differ much, and
+ * then those that would count most may be missing. */
+#define TRUSTED 0.25
+
 /* Of these the share of a pair is made: the sum of many pairs uses less than its part. */
 #define SHARE_SIGMAS 4
 
@@ -234,7 +238,8 @@ static int is_certain(const struct receive *r, const struct receiver *to, double
   const double *open = r->open + (size_t)(to->at.triangle - r->first) * (size_t)r->w->n;
   for (int k = 0; k < r->w->n; k++) {
     double part = 0.5 * (portion + (open[k] > 0 ? most[k] / open[k] : 0));
-    if (!(SHARE_SIGMAS * sqrt(variance[k]) <= times * area * r->tolerance[k] * sqrt(part)))
+    if (SIGMAS * sqrt(variance[k]) > TRUSTED * most[k] ||
+        !(SHARE_SIGMAS * sqrt(variance[k]) <= times * area * r->tolerance[k] * sqrt(part)))
       return 0;
   }
   return 1;
@@ -281,7 +286,8 @@ static int by_rules(const struct receive *r, struct lights *l, const struct rece
   for (int k = 0; k < r->w->n; k++)
     most[k] = fine->most[k] * reach;
   if (is_last || is_within(r, most, share)) {
-    apply(r, light_of(r, l, 0), to, low, w);
+    int rule = isinf(r->tolerance[0]) ? 1 : 0; /* as it comes: the points that are exact for w */
+    apply(r, light_of(r, l, (unsigned)rule), to, low, w);
     add(r, low, most, to);
     return 1;
   }
@@ -404,7 +410,8 @@ static void send(const struct receive *r, int chunk, int element, struct worker 
                           .value = r->value + at,
                           .error = r->error + at,
                           .variance = r->variance + at};
-    rad_singular_set(&r->to->triangle[from], &r->to->triangle[t], &to.singular);
+    if (isfinite(r->tolerance[0]))
+      rad_singular_set(&r->to->triangle[from], &r->to->triangle[t], &to.singular);
     double portion = r->portion[element];
     double share = (1 - BY_CHANCE) * r->to->triangle[t].area * portion;
     to.at.rounding = rounding(r, light_of(r, &w->whole, 2), share);

@@ -55,6 +55,18 @@ class Cases(test_view_factors_cli.Numbers):
                 s = self.surfaces(self.lamp(z, "accuracy: {tolerance: %s}\n" % tolerance))
                 self.holds(s["ceiling"][1], 100 * f * 0.04 / 16, 100 * float(tolerance))
 
+    def test_means_and_view_factors_agree(self):
+        """One lamp, black and even: what a surface receives is F of it, by another program part."""
+        for deck, lamp, emission in (("lamp_near_floor.yml", 1, 1), ("lamp_below_ceiling.yml", 1, 100)):
+            for tolerance in "1e-2", "1e-4", "1e-6":
+                h = list(self.surfaces(deck, "--set", "accuracy.tolerance=" + tolerance).values())
+                f, e = self.numbers("r.h5", "matrix"), self.numbers("r.h5", "error")
+                for s in range(2):
+                    at = 2 * s + lamp
+                    # the lamp itself is lit by the reflecting ceiling
+                    if s != lamp:
+                        self.holds(h[s][1], emission * f[at], emission * float(tolerance), emission * e[at])
+
     def test_lamp_below_ceiling_of_one_constant(self):
         """27.7 in place of .249: who asks for such rows is told."""
         p = self.call("run", self.lamp(2.9, "method: {mesh: uniform, elements: 1, degree: 0}\n"), "-o", "c.h5")
@@ -67,7 +79,7 @@ class Cases(test_view_factors_cli.Numbers):
     def test_body_near_floor(self):
         text = self.done("run", os.path.join(CASES, "body_near_floor.yml"), "-o", "b.h5").stdout
         row = re.search(r"\n +floor +300 +\S+ \+- \S+ +(\S+) \+- (\S+)\n", text)
-        self.holds((float(row[1]), float(row[2])), -58.09, 0.1, 0.006)
+        self.holds((float(row[1]), float(row[2])), -58.09, 0.52, 0.006)  # 1e-5 of 51 700 W/m2 on 1 m2
         total = re.search(r"sum of net powers (\S+) \+- (\S+) W", text)
         self.assertLessEqual(abs(float(total[1])), float(total[2]))
 
