@@ -42,7 +42,7 @@
 #define LEFT_TO_CELLS 3
 
 enum {
-  MOST_IN_CELLS = 50000, /* points of an element and a receiver in cells */
+  MOST_IN_CELLS = 500000, /* points of an element and a receiver in cells */
   CHUNKS = 128,   /* of elements, each with its own sums: the same bits for any number of threads */
   LEAST_RULE = 2, /* points per direction where the bound alone is small enough */
   PART_RULE = 4,  /* least points per direction of those to compare, on parts of an element */

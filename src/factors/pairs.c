@@ -214,7 +214,7 @@ enum rad_code rad_pairs_integrate(const struct rad_pair_engine *g, double tolera
     code = rad_fail_memory(e, "the view factors", 24.0 * (double)n);
   const double goal[2] = {WHOLLY * tolerance, 0};
   const double goals[2] = {tolerance,
-                           fmax(1e4, fmin(5e4, (double)limit / (double)(p->n_partly + 1)))};
+                           fmax(1e4, fmin(5e5, (double)limit / (double)(p->n_partly + 1)))};
   if (!code)
     code = all_rows(p, NULL, goal, e);
   if (!code && p->n_partly) {

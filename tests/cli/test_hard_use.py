@@ -96,7 +96,7 @@ class Killed(Case):
         for number in (signal.SIGINT, signal.SIGTERM):
             for moment in (0, 0.1):
                 p = self.start("run", test_cli.CORNER, "-o", "out.h5", "--quiet", "--set",
-                               "method.elements=16")
+                               "method.elements=32")
                 until_ready(p, signal.SIGTERM, moment)
                 p.send_signal(number)
                 p.communicate()
