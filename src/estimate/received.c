@@ -80,8 +80,8 @@ struct worker {
   enum rad_code code;             /* the first error, and its text */
   struct rad_error error;
   struct rad_light scattered[RAD_SCATTERED];
-  int n_scattered;           /* that are set */
-  struct lights whole, part; /* of the element at hand, of a cell of it */
+  unsigned char is_scattered[RAD_SCATTERED]; /* those that are set */
+  struct lights whole, part;                 /* of the element at hand, of a cell of it */
   int64_t factors;
 };
 
@@ -193,8 +193,9 @@ static void sum_copies(const struct receive *r, int set, const struct receiver *
   for (int first = 0; first < RAD_REPLICATES; first += lattice->at_once, light++) {
     double f[RAD_MAX_SENDER];
     struct rad_light *l = &w->scattered[light];
-    if (light == w->n_scattered)
-      rad_light_scatter(r->w, &w->whole.cell, lattice, first, &w->scattered[w->n_scattered++]);
+    if (!w->is_scattered[light])
+      rad_light_scatter(r->w, &w->whole.cell, lattice, first, l);
+    w->is_scattered[light] = 1;
     rad_point_factors(&r->receivers, &l->senders, &to->at, f, &w->scratch);
     w->factors += l->senders.n;
     for (int k = 0; k < r->w->n; k++)
@@ -253,11 +254,16 @@ static int by_points(const struct receive *r, const struct receiver *to, double 
   unshaded(r, to, most, w);
   for (int set = 0; set < RAD_N_LATTICE; set++) {
     double sum[RAD_MAX_WEIGHT][RAD_REPLICATES] = {{0}};
+    double times = set < RAD_N_LATTICE - 1 ? 1 : LEFT_TO_CELLS;
+    int n = rad_lattice[set].n * RAD_REPLICATES;
+    for (int k = 0; k < r->w->n; k++)
+      judge(sum[k], n, most[k], &value[k], &variance[k]);
+    if (!is_certain(r, to, portion, most, variance, times)) /* so few points can not be enough */
+      continue;
     sum_copies(r, set, to, sum, w);
     for (int k = 0; k < r->w->n; k++)
-      judge(sum[k], rad_lattice[set].n * RAD_REPLICATES, most[k], &value[k], &variance[k]);
-    double least = set < RAD_N_LATTICE - 1 ? 1 : LEFT_TO_CELLS;
-    if (!is_certain(r, to, portion, most, variance, least))
+      judge(sum[k], n, most[k], &value[k], &variance[k]);
+    if (!is_certain(r, to, portion, most, variance, times))
       continue;
     for (int k = 0; k < r->w->n; k++) {
       to->value[k] += value[k];
@@ -392,7 +398,7 @@ static void begin_element(const struct receive *r, int element, struct worker *w
   w->whole.cell = rad_light_cell_whole(r->w->mesh, element);
   w->whole.n = 0;
   w->whole.points = rule_of(&r->w->mesh->element[element]);
-  w->n_scattered = 0;
+  memset(w->is_scattered, 0, sizeof w->is_scattered);
 }
 
 static void send(const struct receive *r, int chunk, int element, struct worker *w) {
