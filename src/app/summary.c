@@ -209,12 +209,12 @@ static void warn_imbalance(const struct rad_case *c, const struct rad_balance *b
                            FILE *log) {
   double part = fabs(b->imbalance[k]) / b->given[k];
   if (!c->has_bound && c->report.solver != RAD_SOLVER_NEUMANN && part > IMBALANCE)
-    fprintf(
-        log,
-        "%s: warning: %sthe solution %s %.2g of the emitted light: its rows are those of single "
-        "points, which conserve none; give accuracy.tolerance, or a finer mesh\n",
-        c->deck.path, b->n_band > 1 ? c->scene.band[k] : "",
-        b->imbalance[k] > 0 ? "loses" : "makes up", part);
+    fprintf(log,
+            "%s: warning: %s%sthe solution %s %.2g times the emitted light: its rows are those of "
+            "single "
+            "points, which conserve none; give accuracy.tolerance, or a finer mesh\n",
+            c->deck.path, b->n_band > 1 ? c->scene.band[k] : "", b->n_band > 1 ? ": " : "",
+            b->imbalance[k] > 0 ? "loses" : "makes up", part);
 }
 
 static void print_balance_of(const struct rad_case *c, const struct rad_balance *b, int k,
@@ -236,7 +236,8 @@ static void print_balance_of(const struct rad_case *c, const struct rad_balance 
             backs);
   }
   if (isnan(b->error[k]))
-    fprintf(out, "; imbalance %.2g W", b->imbalance[k]);
+    fprintf(out, "; imbalance %.2g W of %.4g W that the faces send", b->imbalance[k],
+            c->means.sent[k]);
   fprintf(out, "\n");
 }
 

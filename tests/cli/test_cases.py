@@ -72,6 +72,17 @@ class Cases(test_view_factors_cli.Numbers):
         p = self.call("run", self.lamp(2.9, "method: {mesh: uniform, elements: 1, degree: 0}\n"), "-o", "c.h5")
         self.assertEqual(p.returncode, 0)
         self.assertRegex(p.stdout, r"\n  balance .*imbalance -?\d")
+        # a lamp a hundredth of the floor's size, close above its centroid
+        self.write("two.yml", """bands: [red, blue]
+scene:
+  triangles:
+    - {name: floor, vertices: [[0,0,0],[3,0,0],[0,3,0]], rho: [0.5, 0.2], emission: [0, 0]}
+    - {name: lamp, vertices: [[0.9,0.9,0.01],[0.9,1.1,0.01],[1.1,0.9,0.01]], rho: [0, 0], emission: [1, 2]}
+method: {mesh: uniform, elements: 1, degree: 0}
+""")
+        two = self.call("run", "two.yml", "-o", "c.h5")
+        self.assertRegex(two.stderr, r"warning: red: the solution makes up \d+ times the emitted light")
+        self.assertRegex(two.stderr, r"warning: blue: the solution makes up \d+ times the emitted light")
         row = re.search(r"\n +ceiling +16 +\S+ \+- \? +(\S+) \+- \?", p.stdout)
         f = parallel(((2.567, 2.767), (1.233, 1.433)), ((0, 4), (0, 4)), 0.1)
         self.assertAlmostEqual(float(row[1]), 100 * f * 0.04 / 16, delta=2e-5)
