@@ -211,8 +211,7 @@ static void warn_imbalance(const struct rad_case *c, const struct rad_balance *b
   if (!c->has_bound && c->report.solver != RAD_SOLVER_NEUMANN && part > IMBALANCE)
     fprintf(log,
             "%s: warning: %s%sthe solution %s %.2g times the emitted light: its rows are those of "
-            "single "
-            "points, which conserve none; give accuracy.tolerance, or a finer mesh\n",
+            "single points, which conserve none; give accuracy.tolerance, or a finer mesh\n",
             c->deck.path, b->n_band > 1 ? c->scene.band[k] : "", b->n_band > 1 ? ": " : "",
             b->imbalance[k] > 0 ? "loses" : "makes up", part);
 }

@@ -88,8 +88,8 @@ void rad_number_with_error(double value, double error, char *text, size_t size) 
     snprintf(text, size, "%.6g +- ?", value);
     return;
   }
-  int last = (int)floor(log10(error)) - 1; /* exponent of the last digit that is written */
-  last += ceil(error / pow(10, last) + 0.5) >= 100;
+  int last = (int)floor(log10(error)) - 1;          /* exponent of the last digit that is written */
+  last += ceil(error / pow(10, last) + 0.5) >= 100; /* 9.97 is rounded up to 11, not to 10.0 */
   double unit = pow(10, last);
   double shown = ceil(error / unit + 0.5) * unit; /* and half a digit for the value's rounding */
   if (fabs(value) < 0.5 * unit)

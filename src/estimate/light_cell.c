@@ -1,6 +1,7 @@
 #include "estimate/light_cell.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "base/scramble.h"
 #include "base/vec.h"
@@ -114,28 +115,33 @@ void rad_light_set(const struct rad_weights *w, const struct rad_light_cell *cel
   set_flux(w, e, n, lp, lr, light);
 }
 
-/* w_k at points (sigma, tau), times dS. */
-static void scatter_flux(const struct rad_weights *w, const struct rad_element *e,
-                         const double (*at)[2], struct rad_light *light) {
-  const struct rad_mesh *mesh = w->mesh;
-  double c[RAD_MAX_WEIGHT][RAD_GAUSS_MAX * RAD_GAUSS_MAX], lp[RAD_GAUSS_MAX], lr[RAD_GAUSS_MAX];
-  for (int k = 0; k < w->n; k++) {
-    coefficients(e, w->w[k], c[k]);
-    light->most[k] = 0;
-  }
-  for (int q = 0; q < light->senders.n; q++) {
-    double x = (at[q][0] - e->sigma[0]) / (e->sigma[1] - e->sigma[0]);
-    double y = (at[q][1] - e->tau[0]) / (e->tau[1] - e->tau[0]);
-    rad_lagrange(&mesh->nodes, e->k_phi, 2 * x - 1, lp);
-    rad_lagrange(&mesh->nodes, e->k_r, 2 * y - 1, lr);
-    for (int k = 0; k < w->n; k++) {
-      double value = 0;
-      for (int b = 0; b < e->k_r; b++)
-        for (int a = 0; a < e->k_phi; a++)
-          value += c[k][a + e->k_phi * b] * lp[a] * lr[b];
-      light->most[k] = fmax(light->most[k], fabs(value));
-      light->flux[k][q] = value * light->dS[q];
-    }
+/* All w_k on one element, ready for values at single points. */
+struct spread {
+  const struct rad_mesh *mesh;
+  const struct rad_element *element;
+  int n;
+  double c[RAD_MAX_WEIGHT][RAD_GAUSS_MAX * RAD_GAUSS_MAX];
+};
+
+static void spread_set(const struct rad_weights *w, const struct rad_element *e, struct spread *s) {
+  s->mesh = w->mesh;
+  s->element = e;
+  s->n = w->n;
+  for (int k = 0; k < w->n; k++)
+    coefficients(e, w->w[k], s->c[k]);
+}
+
+static void spread_at(const struct spread *s, double sigma, double tau, double *value) {
+  const struct rad_element *e = s->element;
+  double lp[RAD_GAUSS_MAX], lr[RAD_GAUSS_MAX];
+  rad_lagrange(&s->mesh->nodes, e->k_phi,
+               2 * (sigma - e->sigma[0]) / (e->sigma[1] - e->sigma[0]) - 1, lp);
+  rad_lagrange(&s->mesh->nodes, e->k_r, 2 * (tau - e->tau[0]) / (e->tau[1] - e->tau[0]) - 1, lr);
+  for (int k = 0; k < s->n; k++) {
+    value[k] = 0;
+    for (int b = 0; b < e->k_r; b++)
+      for (int a = 0; a < e->k_phi; a++)
+        value[k] += s->c[k][a + e->k_phi * b] * lp[a] * lr[b];
   }
 }
 
@@ -177,9 +183,11 @@ void rad_light_scatter(const struct rad_weights *w, const struct rad_light_cell 
   const struct rad_element *e = &mesh->element[cell->element];
   const struct rad_patch *p = &mesh->patch[e->patch];
   const struct even even = even_of(mesh, cell);
-  double at[RAD_MAX_SENDER][2];
   int n = lattice->n;
   struct rad_senders *s = &light->senders;
+  struct spread spread;
+  spread_set(w, e, &spread);
+  memset(light->most, 0, sizeof light->most);
   s->triangle = p->triangle;
   s->n = n * lattice->at_once;
   light->area = 0.5 * p->a1 * p->b2 * (even.t[1] - even.t[0]) * (even.r2[1] - even.r2[0]);
@@ -192,12 +200,16 @@ void rad_light_scatter(const struct rad_weights *w, const struct rad_light_cell 
     double r = sqrt(fmax(between(even.r2, y), 1e-24 * even.r2[1]));
     s->base[q] = p->base;
     rad_patch_mu(p, phi, r, s->mu[q]);
-    at[q][0] = within(rad_ungraded(phi, e->p_phi), cell->sigma);
-    at[q][1] = within(rad_ungraded(r, e->p_r), cell->tau);
     light->dS[q] = light->area / n;
+    double value[RAD_MAX_WEIGHT];
+    spread_at(&spread, within(rad_ungraded(phi, e->p_phi), cell->sigma),
+              within(rad_ungraded(r, e->p_r), cell->tau), value);
+    for (int k = 0; k < w->n; k++) {
+      light->most[k] = fmax(light->most[k], fabs(value[k]));
+      light->flux[k][q] = value[k] * light->dS[q];
+    }
   }
   rad_senders_finish(mesh->scene, s);
-  scatter_flux(w, e, (const double(*)[2])at, light);
 }
 
 /* (r, r t) of the patch from barycentric coordinates. */
@@ -213,25 +225,14 @@ void rad_light_at(void *context, int n, const double (*lambda)[3], double *value
   const struct rad_mesh *mesh = at->w->mesh;
   const struct rad_element *e = &mesh->element[at->element];
   const struct rad_patch *p = &mesh->patch[e->patch];
-  double c[RAD_MAX_WEIGHT][RAD_GAUSS_MAX * RAD_GAUSS_MAX], lp[RAD_GAUSS_MAX], lr[RAD_GAUSS_MAX];
-  for (int k = 0; k < at->w->n; k++)
-    coefficients(e, at->w->w[k], c[k]);
+  struct spread spread;
+  spread_set(at->w, e, &spread);
   for (int i = 0; i < n; i++) {
     double r, rt;
     to_patch(p, lambda[i], &r, &rt);
     double phi = rad_angle_phi(p->angle, fmin(fmax(r > 0 ? rt / r : 0, 0), 1));
-    double sigma = within(rad_ungraded(phi, e->p_phi), e->sigma);
-    double tau = within(rad_ungraded(fmax(r, 0), e->p_r), e->tau);
-    rad_lagrange(&mesh->nodes, e->k_phi,
-                 2 * (sigma - e->sigma[0]) / (e->sigma[1] - e->sigma[0]) - 1, lp);
-    rad_lagrange(&mesh->nodes, e->k_r, 2 * (tau - e->tau[0]) / (e->tau[1] - e->tau[0]) - 1, lr);
-    for (int k = 0; k < at->w->n; k++) {
-      double sum = 0;
-      for (int b = 0; b < e->k_r; b++)
-        for (int a = 0; a < e->k_phi; a++)
-          sum += c[k][a + e->k_phi * b] * lp[a] * lr[b];
-      value[i * at->w->n + k] = sum;
-    }
+    spread_at(&spread, within(rad_ungraded(phi, e->p_phi), e->sigma),
+              within(rad_ungraded(fmax(r, 0), e->p_r), e->tau), value + i * at->w->n);
   }
 }
 

@@ -18,7 +18,7 @@ void rad_singular_set(const struct rad_triangle *sender, const struct rad_triang
                       struct rad_singular *s);
 
 /**
- * How smooth F(y -> T) is on a cell, in its two directions.                          (theory 17.3)
+ * How smooth F(y -> T) is on a cell, in its two directions.                          (theory 17.1)
  *
  * On a straight line y = m + z h, z in [-1, 1], F(y -> T) is a function of a complex z, singular
  * where the distance of y from a point or a line of s vanishes. The number is half of the longer

@@ -9,7 +9,8 @@
 #include "base/memory.h"
 #include "factors/pairs.h"
 
-#define LIMIT 3e8 /* points in all */
+#define LIMIT 3e8     /* points in all */
+#define ROUNDING 1e-9 /* of a row's sum, at most */
 
 static enum rad_code init(int n, struct rad_view_factors *f, struct rad_error *e) {
   size_t m = (size_t)n;
@@ -43,8 +44,22 @@ static void add_pairs(const struct rad_pairs *p, struct rad_view_factors *f, con
     }
 }
 
+/* More than 1 is an error of the program. */
+static enum rad_code fail_row(const struct rad_scene *scene, int s, double sum, double error,
+                              struct rad_error *e) {
+  int t = 0;
+  while (scene->triangle[t].surface != s)
+    t++;
+  return rad_fail(e, RAD_ENUMERIC,
+                  "the view factors of surface '%s' (triangle %d and others) sum to %.9g, and no "
+                  "more than 1 is possible (to their error, %.1g): an error of polyrad; please "
+                  "report the deck",
+                  scene->surface_name[s], t + 1, sum, error);
+}
+
 /* Factors of both directions from the sums. */
-static void finish(struct rad_view_factors *f, const double *area) {
+static enum rad_code finish(const struct rad_scene *scene, const double *area,
+                            struct rad_view_factors *f, struct rad_error *e) {
   size_t n = (size_t)f->n;
   for (size_t s = 0; s < n; s++)
     for (size_t t = s; t < n; t++) {
@@ -61,26 +76,8 @@ static void finish(struct rad_view_factors *f, const double *area) {
       error += f->error[s * n + t];
     }
     f->worst_error = fmax(f->worst_error, error);
-  }
-}
-
-/* More than 1 is an error of the program. */
-static enum rad_code check_rows(const struct rad_scene *scene, const struct rad_view_factors *f,
-                                struct rad_error *e) {
-  for (int s = 0; s < f->n; s++) {
-    double error = 1e-9;
-    int t = 0;
-    for (int i = 0; i < f->n; i++)
-      error += f->error[(size_t)s * (size_t)f->n + (size_t)i];
-    if (f->row_sum[s] <= 1 + error)
-      continue;
-    while (scene->triangle[t].surface != s)
-      t++;
-    return rad_fail(e, RAD_ENUMERIC,
-                    "the view factors of surface '%s' (triangle %d and others) sum to %.9g, and no "
-                    "more than 1 is possible (to their error, %.1g): an error of polyrad; please "
-                    "report the deck",
-                    scene->surface_name[s], t + 1, f->row_sum[s], error);
+    if (!(f->row_sum[s] <= 1 + error + ROUNDING))
+      return fail_row(scene, (int)s, f->row_sum[s], error + ROUNDING, e);
   }
   return RAD_OK;
 }
@@ -115,9 +112,8 @@ enum rad_code rad_view_factors(const struct rad_scene *scene, double tolerance, 
     area[scene->triangle[t].surface] += scene->triangle[t].area;
   if (!code) {
     add_pairs(&p, f, area);
-    finish(f, area);
+    code = finish(scene, area, f, e);
     judge(&p, f);
-    code = check_rows(scene, f, e);
   }
   rad_pairs_free(&p);
   rad_pair_engine_free(&g);

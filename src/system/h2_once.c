@@ -99,9 +99,7 @@ static void go_up(struct rad_once *o, const struct up *w) {
     const struct up *own = &w[omp_get_thread_num()];
 #pragma omp for schedule(dynamic)
     for (int c = 0; c < tree->n_cluster; c++)
-      if (o->is_source[c] && !o->is_lit[c])
-        memset(rad_once_moments(o, c), 0, sizeof(double) * (size_t)o->n_vector * (size_t)o->p.n);
-      else if (o->is_source[c] && tree->cluster[c].child < 0)
+      if (o->is_source[c] && o->is_lit[c] && tree->cluster[c].child < 0)
         leaf_up(o, c, own);
     for (int level = tree->n_level - 2; level >= 0; level--)
 #pragma omp for schedule(dynamic)
@@ -117,7 +115,7 @@ enum rad_code rad_once_gather(struct rad_once *o, int n_vector, const double *co
   o->n_vector = n_vector;
   memcpy(o->u, u, sizeof *u * (size_t)n_vector); /* the list may be gone when rows are asked for */
   find_light(o);
-  o->moment = rad_pages_alloc(rad_once_bytes(o));
+  o->moment = rad_pages_alloc(rad_once_bytes(o)); /* zeroed: those of dark clusters stay so */
   int n_thread = omp_get_max_threads(), failed = !o->moment;
   struct up *up = rad_calloc((size_t)n_thread, sizeof *up);
   size_t n = (size_t)o->p.n, element, leaf = rad_tree_most(&o->tree, &element);

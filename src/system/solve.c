@@ -79,29 +79,8 @@ static enum rad_code check_hemispheres(const struct rad_operator *k, const doubl
                   t + 1, scene->surface_name[scene->triangle[t].surface], k1[worst], slack);
 }
 
-/* kappa, and refusal of scenes where light is never lost. */
-static enum rad_code check_contraction(const struct rad_operator *k, const double *rho,
-                                       double quadrature, int n_part, const int *part,
-                                       double *kappa, struct rad_error *e) {
-  int n = k->n, white = -1;
-  double *one = rad_alloc((size_t)n, 2 * sizeof(double));
-  if (!one)
-    return rad_fail_memory(e, "the solver", 16.0 * n);
-  double *k1 = one + n;
-  for (int i = 0; i < n; i++)
-    one[i] = 1;
-  rad_operator_apply(k, 1, (const double *const[]){one}, &k1);
-  for (int i = 0; i < n; i++)
-    *kappa = fmax(*kappa, rho[i] * k1[i]);
-  double slack = fmax(1e-6, 20 * quadrature);
-  if (*kappa > 1 - slack)
-    white = find_closed_white(k, rho, k1, slack, n_part, part);
-  enum rad_code code =
-      white < 0 ? check_hemispheres(k, k1, slack + (k->h2 ? 20 * k->h2->error : 0), e) : RAD_OK;
-  free(one);
-  if (white < 0)
-    return code;
-  const struct rad_scene *scene = k->mesh->scene;
+static enum rad_code fail_closed_white(const struct rad_scene *scene, int white,
+                                       struct rad_error *e) {
   if (scene->heat && scene->heat[white].kind == RAD_HEAT_FLUX)
     return rad_fail(e, RAD_ENUMERIC,
                     "the scene is singular: the part that holds triangle %d (%s) is closed and its "
@@ -113,6 +92,24 @@ static enum rad_code check_contraction(const struct rad_operator *k, const doubl
                   "rho = 1 on every face, so light is never lost and no radiosity is finite; lower "
                   "rho of one face or open the scene",
                   white + 1, scene->surface_name[scene->triangle[white].surface]);
+}
+
+/* kappa, and refusal of scenes where light of a band is never lost. */
+static enum rad_code check_contraction(const struct rad_operator *k, const double *rho,
+                                       const double *k1, double slack, const int *part,
+                                       struct rad_solve_report *report, struct rad_error *e) {
+  for (int i = 0; i < k->n; i++)
+    report->kappa = fmax(report->kappa, rho[i] * k1[i]);
+  int white =
+      report->kappa > 1 - slack ? find_closed_white(k, rho, k1, slack, report->n_part, part) : -1;
+  return white < 0 ? RAD_OK : fail_closed_white(k->mesh->scene, white, e);
+}
+
+/* What a point sees of its hemisphere. */
+static void set_k1(const struct rad_operator *k, double *one, double *k1) {
+  for (int i = 0; i < k->n; i++)
+    one[i] = 1;
+  rad_operator_apply(k, 1, (const double *const[]){one}, &k1);
 }
 
 enum rad_code rad_iterate_init(int n_system, int n, struct rad_iterate *x, struct rad_error *e) {
@@ -241,12 +238,15 @@ enum rad_code rad_solve(const struct rad_operator *k, const struct rad_solve_opt
   report->n_part = rad_find_parts(k, part);
   struct rad_linear band[RAD_MAX_BAND];
   enum rad_code code = RAD_OK;
+  double *k1 = work + n, slack = fmax(1e-6, 20 * options->quadrature);
+  set_k1(k, work, k1);
   for (int b = 0; b < n_band && !code; b++) {
     size_t at = (size_t)b * n;
     band[b] = (struct rad_linear){.rho = rho + at, .emission = emission + at, .u = u + at};
-    code = check_contraction(k, band[b].rho, options->quadrature, report->n_part, part,
-                             &report->kappa, e);
+    code = check_contraction(k, band[b].rho, k1, slack, part, report, e);
   }
+  if (!code)
+    code = check_hemispheres(k, k1, slack + (k->h2 ? 20 * k->h2->error : 0), e);
   if (!code) {
     code = dispatch(k, options, part, n_band, band, work, work + n, report, e);
     for (int b = 0; b < n_band && !isnan(report->residual); b++) {
