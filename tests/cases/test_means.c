@@ -88,15 +88,14 @@ START_TEST(closed_boxes) {
 END_TEST
 
 static void square(struct deck_text *d, const char *name, double low, double high, double z, int up,
-                   const char *more) {
-  double c[4][2] = {{low, low}, {high, low}, {high, high}, {low, high}};
-  for (int k = 1; k < 3; k++) {
-    int a = up ? k : k + 1, b = up ? k + 1 : k;
-    deck_add(d,
-             "    - {name: %s, rho: 0, emission: 0, vertices: [[%.17g, %.17g, %.17g], [%.17g, "
-             "%.17g, %.17g], [%.17g, %.17g, %.17g]]%s}\n",
-             name, c[0][0], c[0][1], z, c[a][0], c[a][1], z, c[b][0], c[b][1], z, more);
+                   double emission) {
+  double c[4][3] = {{low, low, z}, {high, low, z}, {high, high, z}, {low, high, z}};
+  for (int d1 = 0; d1 < 3 && !up; d1++) {
+    double other = c[1][d1];
+    c[1][d1] = c[3][d1];
+    c[3][d1] = other;
   }
+  deck_polygon(d, name, 4, (const double(*)[3])c, 0, emission);
 }
 
 static double surface_sum(const struct rad_case *c, const char *name, const double *x) {
@@ -115,9 +114,10 @@ START_TEST(behind_a_blocker) {
   struct deck_text *d = malloc(sizeof *d);
   struct rad_case c;
   deck_begin(d);
-  square(d, "lower", 0, 1, 0, 1, "");
-  square(d, "upper", 0, 1, 1, 0, "");
-  square(d, "blocker", 0.25, 0.75, 0.5, 1, ", side: both");
+  square(d, "lower", 0, 1, 0, 1, 0);
+  square(d, "upper", 0, 1, 1, 0, 0);
+  square(d, "blocker", 0.25, 0.75, 0.5, 1, 0);
+  deck_add(d, "  surfaces: {blocker: {side: both}}\n");
   prepare(d, _i, &c);
   double *w = ones(&c, "lower");
   for (int linear = 0; linear < 2; linear++) {
@@ -177,8 +177,8 @@ START_TEST(brute_forces) {
   struct deck_text *d = malloc(sizeof *d);
   struct rad_case c;
   deck_begin(d);
-  square(d, "lower", 0, 1, 0, 1, "");
-  square(d, "upper", 0.4, 1.7, 1.3, 0, "");
+  square(d, "lower", 0, 1, 0, 1, 0);
+  square(d, "upper", 0.4, 1.7, 1.3, 0, 0);
   prepare(d, _i, &c);
   double *w = ones(&c, "lower");
   for (int p = 0; p < c.mesh->n_point; p++)
@@ -206,6 +206,10 @@ START_TEST(lattices) {
   deck_begin(d);
   deck_cube(d, black, dark);
   prepare(d, _i, &c);
+  int n_light = 0;
+  for (int l = 0; l < RAD_N_LATTICE; l++)
+    n_light += RAD_REPLICATES / rad_lattice[l].at_once;
+  ck_assert_int_eq(n_light, RAD_SCATTERED);
   double *w = ones(&c, NULL), mean_miss[RAD_N_LATTICE] = {0};
   for (int p = 0; p < c.mesh->n_point; p++)
     w[p] += 0.3 * cos(3.0 * p);
@@ -289,10 +293,8 @@ START_TEST(backs) {
   struct deck_text *d = malloc(sizeof *d);
   struct rad_case c;
   deck_begin(d);
-  square(d, "lid", 0, 1, 1, _i, "");
-  deck_add(d,
-           "    - {name: lamp, rho: 0, emission: 3, vertices: [[0,0,0],[1,0,0],[1,1,0]]}\n"
-           "    - {name: lamp, rho: 0, emission: 3, vertices: [[0,0,0],[1,1,0],[0,1,0]]}\n");
+  square(d, "lid", 0, 1, 1, _i, 0);
+  square(d, "lamp", 0, 1, 0, 1, 3);
   solve(d, &c);
   ck_assert(!c.means.is_enclosed);
   struct rad_balance b;
@@ -331,9 +333,8 @@ START_TEST(enclosures) {
       deck_add(d, "%.*s\n", (int)(end - at), at);
   }
   ck_assert_int_eq(line, 12);
-  if (room[_i].body) {
+  if (room[_i].body)
     add_box(d, 0.3, (const double[3]){0.3, 0.2, 0.1}, 1);
-  }
   solve(d, &c);
   ck_assert_int_eq(c.means.is_enclosed, room[_i].enclosed);
   struct rad_balance b;
