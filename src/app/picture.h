@@ -30,6 +30,7 @@ struct rad_sample {
 struct rad_canvas {
   const struct rad_case *c; /* borrowed */
   struct rad_once once;     /* K u_h, and K z of the bound; only if there is one */
+  int is_dark;              /* nothing emits: all values are 0 */
   int width;                /* numbers of a dot: h and u of all bands, bound */
   int64_t n_dot, n_tile, n_sample;
   size_t room_dot, room_value, room_tile, room_sample;

@@ -11,7 +11,8 @@ enum rad_code rad_canvas_begin(const struct rad_case *c, struct rad_canvas *canv
   int nb = c->scene.n_band;
   const double *in[2 * RAD_MAX_BAND];
   *canvas = (struct rad_canvas){.c = c, .width = 2 * nb + 1};
-  if (!c->has_bound)
+  canvas->is_dark = c->has_bound && rad_indicator_scale(&c->adaptive.indicator, nb) == 0;
+  if (!c->has_bound || canvas->is_dark)
     return RAD_OK;
   for (int b = 0; b < nb; b++) {
     in[b] = c->u + (size_t)b * (size_t)c->mesh->n_point;
@@ -150,6 +151,10 @@ enum rad_code rad_canvas_evaluate(struct rad_canvas *p, int64_t from, struct rad
   if (!c->has_bound) {
     for (int64_t i = from; i < p->n_dot; i++)
       interpolate(c, &p->dot[i], p->value + (size_t)i * (size_t)p->width);
+    return RAD_OK;
+  }
+  if (p->is_dark) {
+    memset(p->value + (size_t)from * (size_t)p->width, 0, sizeof(double) * n * (size_t)p->width);
     return RAD_OK;
   }
   enum rad_code code = sites_make(p, from, &s, e);

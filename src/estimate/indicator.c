@@ -402,8 +402,13 @@ enum rad_code rad_indicate(const struct rad_mesh *mesh, const struct rad_rules *
     for (int i = 0; i < mesh->n_element; i++)
       rad_modes(&x->fine, i, &mesh->element[i], w.n_band, x->star, x->scale,
                 (struct rad_modes){&x->tail_phi[i], &x->tail_r[i], &x->rate_phi[i], &x->rate_r[i]});
-    code = begin_checks(&w, rules->tolerance, e);
   }
+  if (code || rad_indicator_scale(x, w.n_band) == 0) { /* no light: nothing is left out */
+    free_work(&w);
+    x->spread = 1;
+    return code;
+  }
+  code = begin_checks(&w, rules->tolerance, e);
   if (!code)
     code = look_below(&w, rules, u, e);
   x->spread = 1;

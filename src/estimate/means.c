@@ -135,7 +135,7 @@ static enum rad_code receive(const struct rad_weights *w, const double *allowed,
   if (!code)
     code = rad_receive(w, s, 0, allowed, r, e);
   memcpy(m->sent, r->sent, sizeof *m->sent * (size_t)s->n_band);
-  if (code || m->is_enclosed)
+  if (code || m->is_enclosed || !r->n_sender)
     return code;
   return rad_receive_on_backs(&light, allowed, m->on_backs, m->backs_error, e);
 }

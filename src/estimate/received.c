@@ -32,9 +32,9 @@ static int sends(const struct receive *r, int element) {
   return 0;
 }
 
-/* What all elements send. Half of the tolerance by area, half by number, so that neither one large
- * element nor many small ones use it up. */
-static void share_out(struct receive *r, struct rad_light *light, double *sent) {
+/* What all elements send; returns how many do. Half of the tolerance by area, half by number, so
+ * that neither one large element nor many small ones use it up. */
+static int share_out(struct receive *r, struct rad_light *light, double *sent) {
   const struct rad_mesh *mesh = r->t.w->mesh;
   double area = 0;
   int n = 0;
@@ -54,6 +54,7 @@ static void share_out(struct receive *r, struct rad_light *light, double *sent) 
   for (int i = 0; i < mesh->n_element; i++)
     if (r->portion[i] > 0)
       r->portion[i] = 0.5 * (r->portion[i] / area + 1.0 / n);
+  return n;
 }
 
 static void send(const struct receive *r, int chunk, int element, struct rad_transfer_scratch *w) {
@@ -70,19 +71,20 @@ static void send(const struct receive *r, int chunk, int element, struct rad_tra
   }
 }
 
-/* What a receiver would get from elements that it sees in part if nothing stood between. */
+/* What a receiver would get without shadows from elements that it does not see evenly. */
 static void set_open(const struct receive *r, int triangle, struct rad_transfer_scratch *w) {
   const struct rad_transfer *t = &r->t;
-  size_t n = (size_t)t->to->n_triangle, nw = (size_t)t->w->n;
-  double *open = t->open + (size_t)(triangle - t->first) * nw, most[RAD_MAX_WEIGHT];
+  struct rad_open *open = &t->open[triangle - t->first];
+  double most[RAD_MAX_WEIGHT];
   for (int i = 0; i < t->w->mesh->n_element && !rad_stop_asked(); i++) {
-    size_t from = (size_t)rad_element_triangle(t->w->mesh, i);
-    if (!(r->portion[i] > 0) || t->to->visibility->sight[from * n + (size_t)triangle] != RAD_PARTLY)
+    int from = rad_element_triangle(t->w->mesh, i);
+    if (!(r->portion[i] > 0) || !rad_transfer_is_broken(t, from, triangle))
       continue;
     rad_transfer_element(t, i, w);
     rad_transfer_open(t, triangle, COARSE, most, w);
-    for (size_t k = 0; k < nw; k++)
-      open[k] += most[k];
+    open->n++;
+    for (int k = 0; k < t->w->n; k++)
+      open->sum[k] += most[k];
   }
 }
 
@@ -161,7 +163,7 @@ enum rad_code rad_receive(const struct rad_weights *w, const struct rad_scene *t
   for (int t = 0; t < n_thread && !code; t++)
     code = rad_transfer_scratch_init(&r.t, &worker[t], e);
   if (!code) {
-    share_out(&r, &worker[0].whole.rule[0], out->sent);
+    out->n_sender = share_out(&r, &worker[0].whole.rule[0], out->sent);
     run(&r, worker);
     code = finish(&r, n_thread, worker, out, e);
   }

@@ -12,6 +12,7 @@ struct rad_received {
   double *error;               /* owned [n_triangle, n_weight] of the integration [W] */
   double sent[RAD_MAX_WEIGHT]; /* int w dS over all elements [W] */
   int64_t factors;             /* made, from points to triangles */
+  int n_sender;                /* elements that send anything */
 };
 
 /**

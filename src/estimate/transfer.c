@@ -26,9 +26,8 @@
  * part. */
 #define SHARE_SIGMAS 4
 
-/* Part of the tolerance for errors that add up by chance; the others are mostly far below theirs.
- */
-#define BY_CHANCE 0.8
+/* Part of the tolerance for errors that add up by chance. */
+#define BY_CHANCE 0.5
 
 /* Least part of its share that a small cell of an element gets. */
 #define LEAST_PART 0.02
@@ -39,9 +38,11 @@
 
 enum {
   MOST_IN_CELLS = 500000, /* points of an element and a receiver in cells */
-  LEAST_RULE = 2,         /* points per direction where the bound alone is small enough */
-  PART_RULE = 4, /* least points per direction of those to compare, on parts of an element */
-  DEEPEST = 60,  /* halvings of an element */
+  FIRST_IN_CELLS = 300, /* the same before scattered points are tried: most small pairs take less */
+  FEW_BLOCKERS = 8,     /* with more, scattered points come first */
+  LEAST_RULE = 2,       /* points per direction where the bound alone is small enough */
+  PART_RULE = 4,        /* least points per direction of those to compare, on parts of an element */
+  DEEPEST = 60,         /* halvings of an element */
   MOST_IN_PARTS = 1000000 /* factors of an element and a receiver */
 };
 
@@ -128,30 +129,6 @@ static void begin_cell(const struct rad_transfer *r, struct rad_light_cell cell,
   rad_light_cell_shape(r->w->mesh, &cell, &l->shape);
 }
 
-/* Cell by cell, where scattered points have not been enough. */
-static void by_cells(const struct rad_transfer *r, const struct receiver *to,
-                     struct rad_transfer_scratch *w) {
-  int element = w->whole.cell.element;
-  struct rad_light_at at = {r->w, element};
-  double corner[2][3][3], tolerance[RAD_MAX_WEIGHT], value[RAD_MAX_WEIGHT], error[RAD_MAX_WEIGHT];
-  int n = rad_light_triangles(r->w->mesh, element, corner);
-  struct rad_cell_task task = {.source = rad_element_triangle(r->w->mesh, element),
-                               .target = to->at.triangle,
-                               .n_weight = r->w->n,
-                               .weight = rad_light_at,
-                               .context = &at,
-                               .limit = MOST_IN_CELLS,
-                               .tolerance = tolerance};
-  for (int k = 0; k < r->w->n; k++)
-    tolerance[k] = to->share / n * r->tolerance[k];
-  for (int i = 0; i < n && !w->code; i++) {
-    memcpy(task.corner, corner[i], sizeof task.corner);
-    w->code = rad_cell_integrate(&r->engine, w->cells, &task, value, error, &w->error);
-    if (!w->code)
-      add(r, value, error, to);
-  }
-}
-
 /* ---- scattered points ---------------------------------------------------------------------------
  */
 
@@ -206,7 +183,7 @@ void rad_transfer_open(const struct rad_transfer *r, int triangle, double roundi
 static int is_certain(const struct rad_transfer *r, const struct receiver *to, const double *most,
                       const double *variance, double times) {
   double area = BY_CHANCE * r->to->triangle[to->at.triangle].area;
-  const double *open = r->open + (size_t)(to->at.triangle - r->first) * (size_t)r->w->n;
+  const double *open = r->open[to->at.triangle - r->first].sum;
   for (int k = 0; k < r->w->n; k++) {
     double part = 0.5 * (to->portion + (open[k] > 0 ? most[k] / open[k] : 0));
     if (RAD_SIGMAS * sqrt(variance[k]) > TRUSTED * most[k] ||
@@ -243,6 +220,82 @@ static int by_points(const struct rad_transfer *r, const struct receiver *to,
   }
   return 0;
 }
+
+/* ---- cells ------------------------------------------------------------------------------------
+ */
+
+/* Tolerance of cells: half by what is sent without shadows, half evenly, among the elements that
+ * the receiver sees in part. */
+static void share_of_cells(const struct rad_transfer *r, const struct receiver *to, double *share,
+                           struct rad_transfer_scratch *w) {
+  double most[RAD_MAX_WEIGHT], area = r->to->triangle[to->at.triangle].area;
+  const struct rad_open *open = &r->open[to->at.triangle - r->first];
+  rad_transfer_open(r, to->at.triangle, to->at.rounding, most, w);
+  for (int k = 0; k < r->w->n; k++) {
+    double part = (open->sum[k] > 0 ? most[k] / open->sum[k] : 0) + 1.0 / open->n;
+    share[k] = (1 - BY_CHANCE) * area * r->tolerance[k] * 0.5 * part;
+  }
+}
+
+/* The task of an element of one function: w_k F is w_k times one integral. */
+static void make_plain(const struct rad_transfer *r, int element, struct rad_cell_task *task,
+                       double *tolerance) {
+  *tolerance = INFINITY;
+  for (int k = 0; k < r->w->n; k++)
+    *tolerance =
+        fmin(*tolerance, task->tolerance[k] / fabs(r->w->w[k][r->w->mesh->element[element].first]));
+  task->n_weight = 1;
+  task->weight = NULL;
+  task->tolerance = tolerance;
+}
+
+static void times_weight(const struct rad_transfer *r, int element, double *value, double *error) {
+  for (int k = r->w->n - 1; k >= 0; k--) {
+    double one = r->w->w[k][r->w->mesh->element[element].first];
+    value[k] = one * value[0];
+    error[k] = fabs(one) * error[0];
+  }
+}
+
+/* Cell by cell; 1 if that was good enough, or if it was the last resort. */
+static int by_cells(const struct rad_transfer *r, const struct receiver *to, int64_t limit,
+                    struct rad_transfer_scratch *w) {
+  int element = w->whole.cell.element, is_last = limit == MOST_IN_CELLS;
+  struct rad_light_at at = {r->w, element};
+  double corner[2][3][3], share[RAD_MAX_WEIGHT], plain;
+  double value[2][RAD_MAX_WEIGHT], error[2][RAD_MAX_WEIGHT];
+  int n = rad_light_triangles(r->w->mesh, element, corner);
+  struct rad_cell_task task = {.source = rad_element_triangle(r->w->mesh, element),
+                               .target = to->at.triangle,
+                               .n_weight = r->w->n,
+                               .weight = rad_light_at,
+                               .context = &at,
+                               .limit = limit / n,
+                               .most_blockers = is_last ? 0 : FEW_BLOCKERS,
+                               .tolerance = share};
+  share_of_cells(r, to, share, w);
+  for (int k = 0; k < r->w->n; k++)
+    share[k] /= n;
+  if (r->w->mesh->element[element].n_function == 1)
+    make_plain(r, element, &task, &plain);
+  for (int i = 0; i < n; i++) {
+    memcpy(task.corner, corner[i], sizeof task.corner);
+    w->code = rad_cell_integrate(&r->engine, w->cells, &task, value[i], error[i], &w->error);
+    if (w->code)
+      return 1;
+    if (!task.weight)
+      times_weight(r, element, value[i], error[i]);
+    for (int k = 0; k < r->w->n && !is_last; k++)
+      if (!(error[i][k] <= share[k]))
+        return 0;
+  }
+  for (int i = 0; i < n; i++)
+    add(r, value[i], error[i], to);
+  return 1;
+}
+
+/* ---- rules -----------------------------------------------------------------------------------
+ */
 
 static int is_smooth(struct rad_lights *l, const struct receiver *to) {
   rad_smoothness(&l->shape, &to->singular, l->axis);
@@ -323,6 +376,16 @@ static double rounding(const struct rad_transfer *r, const struct rad_light *lig
   return least;
 }
 
+static enum rad_sight sight_of(const struct rad_transfer *r, int from, int to) {
+  return r->to->visibility->sight[(size_t)from * (size_t)r->to->n_triangle + (size_t)to];
+}
+
+int rad_transfer_is_broken(const struct rad_transfer *r, int from, int to) {
+  const struct rad_triangle *t = r->to->triangle;
+  enum rad_sight sight = sight_of(r, from, to);
+  return sight == RAD_PARTLY || (sight == RAD_FREE && rad_side_of(&t[to], &t[from]) == RAD_ACROSS);
+}
+
 void rad_transfer_element(const struct rad_transfer *r, int element,
                           struct rad_transfer_scratch *w) {
   begin_cell(r, rad_light_cell_whole(r->w->mesh, element),
@@ -334,8 +397,7 @@ void rad_transfer_to(const struct rad_transfer *r, int triangle, double portion,
                      const struct rad_transfer_sums *sums, struct rad_transfer_scratch *w) {
   size_t from = (size_t)rad_element_triangle(r->w->mesh, w->whole.cell.element);
   const struct rad_triangle *s = &r->to->triangle[from], *t = &r->to->triangle[triangle];
-  enum rad_sight sight =
-      r->to->visibility->sight[from * (size_t)r->to->n_triangle + (size_t)triangle];
+  enum rad_sight sight = sight_of(r, (int)from, triangle);
   struct receiver to = {.at = {triangle, sight, 0},
                         .is_cut = rad_side_of(t, s) == RAD_ACROSS,
                         .portion = portion,
@@ -349,8 +411,8 @@ void rad_transfer_to(const struct rad_transfer *r, int triangle, double portion,
     return;
   if (sight == RAD_FREE && !to.is_cut)
     by_halves(r, &w->whole, &to, to.share, 0, w);
-  else if (sight == RAD_FREE || !by_points(r, &to, w))
-    by_cells(r, &to, w);
+  else if (!by_cells(r, &to, FIRST_IN_CELLS, w) && (sight == RAD_FREE || !by_points(r, &to, w)))
+    by_cells(r, &to, MOST_IN_CELLS, w);
 }
 
 static double accuracy(const struct rad_weights *w, const double *tolerance) {
@@ -368,19 +430,19 @@ static double accuracy(const struct rad_weights *w, const double *tolerance) {
 enum rad_code rad_transfer_begin(const struct rad_weights *w, const struct rad_scene *to, int first,
                                  const double *tolerance, struct rad_transfer *t,
                                  struct rad_error *e) {
-  size_t n = (size_t)(to->n_triangle - first) * (size_t)w->n;
+  size_t n = (size_t)(to->n_triangle - first);
   *t = (struct rad_transfer){.w = w,
                              .to = to,
                              .tolerance = tolerance,
                              .first = first,
                              .as_it_comes = isinf(tolerance[0]),
                              .accuracy = accuracy(w, tolerance),
-                             .open = rad_calloc(n, sizeof(double))};
+                             .open = rad_calloc(n, sizeof(struct rad_open))};
   enum rad_code code = rad_receivers_begin(to, t->accuracy, &t->receivers, e);
   if (!code && !t->as_it_comes)
     code = rad_pair_engine_init(to, &t->engine, e);
   if (!code && !t->open)
-    code = rad_fail_memory(e, "the means", 8.0 * (double)n);
+    code = rad_fail_memory(e, "the means", (double)(n * sizeof(struct rad_open)));
   return code;
 }
 

@@ -7,16 +7,22 @@
 #include "estimate/light_cell.h"
 #include "estimate/smooth.h"
 
+/* Elements whose light meets a receiver with shadows, or cut by its plane: how many; int |w| F of
+ * theirs without the shadows [W]. */
+struct rad_open {
+  int n;
+  double sum[RAD_MAX_WEIGHT];
+};
+
 /* Everything that the pairs of elements and receivers share. */
 struct rad_transfer {
   const struct rad_weights *w; /* borrowed, as what follows */
   const struct rad_scene *to;  /* the receivers are to->triangle[first] .. */
   const double *tolerance;     /* [w->n] of the mean over each receiver [W/m2] */
   int first;
-  int as_it_comes; /* tolerance is INFINITY: the points that are exact for w */
-  double accuracy; /* of the factors, relative */
-  double *open;    /* owned [n_receiver, w->n] int |w| F without the shadows that may
-                      fall, of the elements that are seen in part; set by the caller */
+  int as_it_comes;       /* tolerance is INFINITY: the points that are exact for w */
+  double accuracy;       /* of the factors, relative */
+  struct rad_open *open; /* owned [n_receiver]; set by the caller */
   struct rad_receivers receivers;
   struct rad_pair_engine engine; /* of pairs that something may stand between */
 };
@@ -56,6 +62,9 @@ void rad_transfer_scratch_free(struct rad_transfer_scratch *w); /* safe twice */
 
 /* Points per direction that integrate w exactly, and F where it is nearly constant. */
 int rad_transfer_rule(const struct rad_element *e);
+
+/* True if F(y -> to) has kinks on triangle `from`: shadows, or the receiver's plane. */
+int rad_transfer_is_broken(const struct rad_transfer *t, int from, int to);
 
 /* The element whose light the next calls send. */
 void rad_transfer_element(const struct rad_transfer *t, int element,

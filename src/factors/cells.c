@@ -336,15 +336,18 @@ static void split(struct rad_cell_scratch *s, const struct rad_cell_task *t, con
     add_cell(s, t, (const double(*)[3])child[k], c->depth + 1, c->first, c->n);
 }
 
-/* Triangles of a polygon in coordinates (m1, m2) of a cell, those not too small. */
+/* True if triangle k of a polygon's fan is not too small; coordinates (m1, m2) of a cell. */
+static int is_piece(const struct rad_polygon *part, int k) {
+  const double *a = part->corner[0], *b = part->corner[k], *c = part->corner[k + 1];
+  return fabs((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])) > LEAST_PIECE;
+}
+
 static void add_fan(struct rad_cell_scratch *s, const struct rad_cell_task *t, const struct cell *c,
                     const struct rad_polygon *part) {
   for (int k = 1; k + 1 < part->n; k++) {
     double corner[3][3];
     const double *at[3] = {part->corner[0], part->corner[k], part->corner[k + 1]};
-    double turn = (at[1][0] - at[0][0]) * (at[2][1] - at[0][1]) -
-                  (at[1][1] - at[0][1]) * (at[2][0] - at[0][0]);
-    if (fabs(turn) <= LEAST_PIECE)
+    if (!is_piece(part, k))
       continue;
     for (int m = 0; m < 3; m++) {
       const double mu[3] = {1 - at[m][0] - at[m][1], at[m][0], at[m][1]};
@@ -361,7 +364,7 @@ static void cut(struct rad_cell_scratch *s, const struct rad_cell_task *t, const
   struct rad_critical critical;
   struct rad_shaft shaft;
   struct rad_flat flat;
-  int n = 1;
+  int n = 1, n_triangle = 0;
   flatten(&s->pair, c->corner, &flat);
   /* corners of `flat` are oriented; lines are wanted in the order of the cell's */
   struct rad_flat plain = flat;
@@ -384,6 +387,11 @@ static void cut(struct rad_cell_scratch *s, const struct rad_cell_task *t, const
     }
   }
   for (int k = 0; k < n; k++)
+    for (int m = 1; m + 1 < piece[k].n; m++)
+      n_triangle += is_piece(&piece[k], m);
+  if (n_triangle == 1) /* lines along the border: they would be found again for ever */
+    split(s, t, c);
+  for (int k = 0; k < n && n_triangle > 1; k++)
     add_fan(s, t, c, &piece[k]);
 }
 
@@ -498,6 +506,11 @@ enum rad_code rad_cell_integrate(const struct rad_pair_engine *g, struct rad_cel
   if (seen == 0)
     return RAD_OK;
   int64_t limit = task->limit > 0 ? task->limit : LIMIT;
+  int is_many = task->most_blockers && s->pair.n_blocker > task->most_blockers;
+  for (int k = 0; k < task->n_weight && seen > 0 && is_many; k++)
+    error[k] = INFINITY;
+  if (seen > 0 && is_many)
+    return RAD_OK;
   if (seen > 0)
     begin(s, task);
   while (seen > 0 && !s->failed) {

@@ -25,6 +25,7 @@ struct rad_cell_task {
   void *context;
   const double *tolerance; /* [n_weight] absolute, of each integral [m2 times the weight's unit] */
   int64_t limit;           /* most points of y; 0: a default */
+  int most_blockers;       /* 0: any; with more, nothing is done and errors are INFINITY */
 };
 
 /* Memory of one thread for as many tasks as it likes; zero at first. */

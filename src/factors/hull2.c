@@ -35,6 +35,8 @@ void rad_hull2(int n, double (*at)[2], struct rad_polygon *hull) {
 }
 
 void rad_common(const struct rad_polygon *with, struct rad_polygon *part) {
+  if (with->n < 3)
+    part->n = 0;
   for (int k = 0; k < with->n && part->n; k++) {
     const double *a = with->corner[k], *b = with->corner[k + 1 < with->n ? k + 1 : 0];
     double dx = b[0] - a[0], dy = b[1] - a[1];

@@ -52,20 +52,20 @@ static int by_element(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-int rad_near_list(const struct rad_tree *tree, const struct rad_block_list *near, int target,
+int rad_near_list(const struct rad_tree *tree, size_t n_source, const int *source,
                   struct rad_near_list *list) {
   size_t n = 0;
   int64_t column = 0;
-  for (size_t b = near->first[target]; b < near->first[target + 1]; b++)
-    n += (size_t)tree->cluster[near->source[b]].n_element;
+  for (size_t b = 0; b < n_source; b++)
+    n += (size_t)tree->cluster[source[b]].n_element;
   size_t room = list->room, again = list->room;
   if (!rad_reserve((void **)&list->piece, n, &room, sizeof *list->piece) ||
       !rad_reserve((void **)&list->element, n, &again, sizeof(int)) ||
       !rad_reserve((void **)&list->column, n, &list->room, sizeof(int64_t)))
     return 0;
   n = 0;
-  for (size_t b = near->first[target]; b < near->first[target + 1]; b++) {
-    const struct rad_cluster *c = &tree->cluster[near->source[b]];
+  for (size_t b = 0; b < n_source; b++) {
+    const struct rad_cluster *c = &tree->cluster[source[b]];
     for (int i = c->element; i < c->element + c->n_element; i++) {
       list->piece[n++] = (struct rad_near_piece){tree->element[i], column};
       column += tree->mesh->element[tree->element[i]].n_function;
@@ -139,7 +139,7 @@ static int fill_strip(const struct rad_h2 *h, const struct rad_rules *rules,
     return 1;
   size_t at = dense->at[from], size = dense->at[to] - at;
   int triangle = h->tree.cluster[target].triangle;
-  if (!rad_near_list(&h->tree, list, target, &s->list) ||
+  if (!rad_near_list(&h->tree, to - from, list->source + from, &s->list) ||
       !rad_reserve((void **)&s->value, size, &s->room_value, sizeof(double)) ||
       !list_rows(h, p, target, s))
     return 0;

@@ -11,14 +11,14 @@ enum rad_code rad_h2_near_begin(struct rad_h2 *h, int narrow, struct rad_error *
  * rad_stop_asked(). */
 enum rad_code rad_h2_near(struct rad_h2 *h, const struct rad_rules *rules, struct rad_error *e);
 
-/* An element of a leaf's near sources, and the column that it begins at if the blocks stand side by
+/* An element of a leaf's sources, and the column that it begins at if the blocks stand side by
  * side. */
 struct rad_near_piece {
   int element;
   int64_t column;
 };
 
-/* The elements of all near sources of a leaf, ascending; zero at first, used again and again. */
+/* The elements of some source clusters, ascending; zero at first, used again and again. */
 struct rad_near_list {
   int n;
   int *element;                 /* owned [n] */
@@ -28,7 +28,7 @@ struct rad_near_list {
 };
 
 /* 0 without memory. */
-int rad_near_list(const struct rad_tree *tree, const struct rad_block_list *near, int target,
+int rad_near_list(const struct rad_tree *tree, size_t n_source, const int *source,
                   struct rad_near_list *list);
 void rad_near_list_free(struct rad_near_list *list); /* safe twice */
 

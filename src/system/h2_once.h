@@ -33,7 +33,8 @@ struct rad_once {
   unsigned char *is_lit;    /* owned [n_cluster] an element of it has light */
   double *moment;           /* owned [n_cluster, n_vector, p.n], pages; of sources */
   int *n_target;            /* owned [n_cluster] points of the last product */
-  double *mean; /* owned [far blocks] mean of G between the nodes; 0 without points or light */
+  double *mean; /* owned [far blocks] mean of G between the nodes; 0 without points or light, or
+                   where the last product took a block's elements one by one */
 };
 
 /* A cluster's moments [n_vector, p.n]; bytes of so much for all clusters. */
@@ -60,9 +61,9 @@ enum rad_code rad_once_gather(struct rad_once *o, int n_vector, const double *co
                               struct rad_error *e);
 
 /**
- * What one element near a leaf's points sends to them: value [n_near, n], of points point [n], all
- * on triangle `target`.
- * Called by the thread that owns the points, elements in ascending order.
+ * What one element near a leaf's points, or cheaper one by one, sends to them: value [n_near, n],
+ * of points point [n], all on triangle `target`. Called by the thread that owns the points,
+ * elements in ascending order.
  */
 typedef void rad_once_visitor(void *context, int thread, int element, int target, int n,
                               const int *point, const double *value);

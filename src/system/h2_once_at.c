@@ -14,6 +14,10 @@
 /* Elements that are integrated at a time, and how large their block should be at least. */
 enum { PIECES = 64, BLOCK = 1 << 17 };
 
+/* Costs in kernel values: a pair of nodes with its products; what an element takes beside its own
+ * kernel values. */
+enum { NODES = 2, ELEMENT = 200 };
+
 /* One product. */
 struct product {
   struct rad_once *o;
@@ -24,8 +28,9 @@ struct product {
   void *context;
   double *local; /* owned [n_cluster, n_vector, p.n], pages: what far blocks make at nodes */
   unsigned char *is_far; /* owned [n_cluster] it, or one above it, is the target of a far block */
-  size_t block;          /* numbers of a block of near integrals */
-  struct down *down;     /* owned [threads] */
+  unsigned char *is_direct;    /* owned [far blocks] integrated as near ones, which takes less */
+  size_t block;                /* numbers of a block of near integrals */
+  struct down *down;           /* owned [threads] */
   struct rad_scratch *scratch; /* owned [threads] */
 };
 
@@ -33,7 +38,8 @@ struct product {
 struct down {
   double *work; /* owned: kernel values; or a block and one element's part [n_near, RAD_BATCH] */
   struct rad_near_list near;
-  size_t room, room_value;
+  int *source; /* owned [room_source] clusters that are integrated directly */
+  size_t room, room_value, room_source;
   int *point, *base;       /* owned [room] a leaf's points */
   double (*mu)[2], *value; /* owned [room], [room_value] */
 };
@@ -59,6 +65,28 @@ static void count_targets(struct product *p) {
   }
 }
 
+/* True if the kernel values between points and elements are fewer than those between nodes. */
+static int takes_less(const struct product *p, int target, int source) {
+  const struct rad_once *o = p->o;
+  const struct rad_cluster *s = &o->tree.cluster[source];
+  double values = 0;
+  if (o->tree.cluster[target].child >= 0 || s->child >= 0)
+    return 0;
+  for (int i = s->element; i < s->element + s->n_element; i++) {
+    const struct rad_element *e = &o->mesh->element[o->tree.element[i]];
+    values += ELEMENT + (double)o->n_target[target] * (e->k_phi + 2) * (e->k_r + 2);
+  }
+  return values < (double)NODES * o->p.n * o->p.n;
+}
+
+static void choose_direct(struct product *p) {
+  const struct rad_once *o = p->o;
+  const struct rad_block_list *far = &o->blocks.far;
+  for (int c = 0; c < o->tree.n_cluster; c++)
+    for (size_t b = far->first[c]; b < far->first[c + 1] && p->is_far[c]; b++)
+      p->is_direct[b] = (unsigned char)takes_less(p, c, far->source[b]);
+}
+
 /* What all far blocks of a cluster send to its nodes, in the order of the list. */
 static RAD_CLONES void far_blocks(const struct product *p, int c, double *kernel) {
   struct rad_once *o = p->o;
@@ -68,7 +96,7 @@ static RAD_CLONES void far_blocks(const struct product *p, int c, double *kernel
   for (size_t b = o->blocks.far.first[c]; b < o->blocks.far.first[c + 1]; b++) {
     int s = o->blocks.far.source[b];
     o->mean[b] = 0;
-    if (!o->is_lit[s])
+    if (!o->is_lit[s] || p->is_direct[b])
       continue;
     rad_interpolation_kernel(&o->p, &o->tree, &cluster[c], &cluster[s], kernel);
     double sum = 0;
@@ -193,12 +221,27 @@ static void near_values(const struct product *p, int triangle, int first, int m,
   }
 }
 
+/* The elements of a leaf's near blocks, and of far ones that take less that way; 0 without memory.
+ */
+static int list_elements(const struct product *p, int c, struct down *d) {
+  const struct rad_block_list *near = &p->o->blocks.near, *far = &p->o->blocks.far;
+  size_t most = near->first[c + 1] - near->first[c] + far->first[c + 1] - far->first[c], n = 0;
+  if (!rad_reserve((void **)&d->source, most, &d->room_source, sizeof(int)))
+    return 0;
+  for (size_t b = near->first[c]; b < near->first[c + 1]; b++)
+    d->source[n++] = near->source[b];
+  for (size_t b = far->first[c]; b < far->first[c + 1]; b++)
+    if (p->is_direct[b])
+      d->source[n++] = far->source[b];
+  return rad_near_list(&p->o->tree, n, d->source, &d->near);
+}
+
 /* Values at the points of a leaf; 0 without memory. */
 static int leaf_values(const struct product *p, int c) {
   const struct rad_once *o = p->o;
   struct down *d = &p->down[omp_get_thread_num()];
   int n = list_points(p, c, d);
-  if (n < 0 || !rad_near_list(&o->tree, &o->blocks.near, c, &d->near))
+  if (n < 0 || !list_elements(p, c, d))
     return 0;
   if (p->is_far[c])
     far_values(p, c, n, d);
@@ -247,6 +290,7 @@ static void free_product(struct product *p, int n_thread) {
   for (int t = 0; p->down && t < n_thread; t++) {
     rad_near_list_free(&p->down[t].near);
     free(p->down[t].work);
+    free(p->down[t].source);
     free(p->down[t].point);
     free(p->down[t].base);
     free(p->down[t].mu);
@@ -254,6 +298,7 @@ static void free_product(struct product *p, int n_thread) {
   }
   free(p->down);
   free(p->is_far);
+  free(p->is_direct);
   rad_pages_free(p->local, p->local ? rad_once_bytes(p->o) : 0);
 }
 
@@ -267,8 +312,9 @@ static int make_product(struct product *p, int n_thread) {
   size_t work = p->block + out > node * node ? p->block + out : node * node;
   p->local = rad_pages_alloc(rad_once_bytes(o));
   p->is_far = rad_calloc((size_t)o->tree.n_cluster, 1);
+  p->is_direct = rad_calloc(o->blocks.far.first[o->tree.n_cluster], 1);
   p->down = rad_calloc((size_t)n_thread, sizeof *p->down);
-  int done = p->local && p->is_far && p->down;
+  int done = p->local && p->is_far && p->is_direct && p->down;
   for (int t = 0; done && t < n_thread; t++)
     done = (p->down[t].work = rad_alloc(work, sizeof(double))) != NULL;
   return done;
@@ -284,6 +330,7 @@ enum rad_code rad_once_at(struct rad_once *o, const struct rad_element_points *p
   enum rad_code code = p.scratch ? RAD_OK : RAD_ESYSTEM;
   if (!code && make_product(&p, n_thread)) {
     count_targets(&p);
+    choose_direct(&p);
     failed = !go_down(&p);
   }
   free_product(&p, n_thread);

@@ -143,14 +143,11 @@ method: {mesh: uniform, elements: 1, degree: 0}
             least = error
 
     def test_city_by_facets(self):
-        """At 1e-6 the error was larger than at 1e-5. (That it is met at 1e-6 is still to come.)"""
+        """At 1e-6 the error was larger than at 1e-5."""
         self.write("city.yml", city(2, 2, by_facet=True))
-        worst = []
         for tolerance in ("1e-5", "1e-6"):
-            self.call("run", "city.yml", "-o", "c.h5", "--quiet", "--set", "accuracy.tolerance=" + tolerance)
-            worst.append(max(self.numbers("c.h5", "error")))
-        self.assertLess(0, worst[1])
-        self.assertLessEqual(worst[1], worst[0])
+            self.done("run", "city.yml", "-o", "c.h5", "--quiet", "--set", "accuracy.tolerance=" + tolerance)
+            self.assertLessEqual(max(self.numbers("c.h5", "error")), float(tolerance))
 
     def test_scenes_that_make_no_sense(self):
         for deck, words in (("rug.yml", "overlaps"), ("overlap.yml", "overlaps")):
