@@ -81,20 +81,8 @@ def ask_oracle(keep, scene, mode, **options):
 
 def oracle(keep, scene, tolerance, effort, seed):
     """All that is known of a scene at a tolerance."""
-    most = int(256 * 4**effort)
-    values = ask_oracle(keep, scene, "factors", first=32, most=most, replicates=REPLICATES, seed=seed, target=f"{tolerance / 50:g}")
-    if scene.black:
-        for i, name in enumerate(scene.names()):
-            for b in range(scene.bands):
-                h, error = values["direct_irradiance", i, b]
-                own = scene.radiation(name)[1][b]
-                values["irradiance", i, b] = h, error
-                values["radiosity", i, b] = own, 0.0
-                values["net", i, b] = own - h, error
-    else:
-        values.update(ask_oracle(keep, scene, "means", first=256, most=int(1024 * 4**effort), replicates=REPLICATES, seed=seed,
-                                 target=f"{tolerance / 50:g}"))
-    return values
+    return ask_oracle(keep, scene, "means", first=32, most=int(256 * 4**effort), rays=32, paths=int(256 * 4**effort), replicates=REPLICATES,
+                      seed=seed, target=f"{tolerance / 50:g}")
 
 
 # -- polyrad ----------------------------------------------------------------------------------------
