@@ -1,5 +1,5 @@
 // survey_oracle FILE means|factors|rays [first=N] [most=N] [rays=N] [paths=N] [replicates=N]
-// [lamps=N] [target=X] [seed=N] Lines `what i j value error`: factor i j (from i to j), row_sum i
+// [closed=N] [target=X] [seed=N] Lines `what i j value error`: factor i j (from i to j), row_sum i
 // 0, direct_irradiance i band (by emission alone); with means also irradiance, radiosity and net
 // (radiosity less irradiance) of surface i in a band. The error: a standard error, and what so many
 // points may have missed.
@@ -30,8 +30,8 @@ static void set(struct oracle_settings *o, const char *text) {
     o->paths = (uint32_t)x;
   else if (n == 10 && !strncmp(text, "replicates", n) && x >= 2 && x <= oracle_replicates)
     o->replicates = (int)x;
-  else if (n == 5 && !strncmp(text, "lamps", n) && x >= 0)
-    o->lamps = (int)x;
+  else if (n == 6 && !strncmp(text, "closed", n) && x >= 0)
+    o->closed = (int)x;
   else if (n == 6 && !strncmp(text, "target", n) && x >= 0)
     o->target = x;
   else if (n == 4 && !strncmp(text, "seed", n))
@@ -46,13 +46,13 @@ int main(int argc, char **argv) {
                               .rays = 64,
                               .paths = 1024,
                               .replicates = 16,
-                              .lamps = 8,
+                              .closed = 16,
                               .target = 1e-5,
                               .seed = 1};
   if (argc < 3)
     oracle_die(
         "usage: FILE means|factors|rays [first=N] [most=N] [rays=N] [paths=N] [replicates=N] "
-        "[lamps=N] [target=X] [seed=N]");
+        "[closed=N] [target=X] [seed=N]");
   for (int i = 3; i < argc; i++)
     set(&o, argv[i]);
   const bool means = !strcmp(argv[2], "means"), rays = !strcmp(argv[2], "rays");

@@ -75,7 +75,8 @@ struct oracle_settings {
   uint32_t first,
       most; // points a replicate on the faces of pairs: at least, at most (powers of two)
   uint32_t rays, paths; // the same for means: at least, at most
-  int replicates, lamps;
+  int replicates;
+  int closed;    // points of a path that see all faces in closed form
   double target; // standard error asked for: of a view factor, of a mean relative to it
   uint64_t seed;
 };
@@ -88,10 +89,9 @@ double oracle_most_seen(const struct oracle_scene *s, int a, int t);
 
 // Pair integrals of all replicates, and what may have been missed of them.
 struct oracle_sums {
-  double *exchange;   // [replicates, surfaces, surfaces]: A_i F_ij
-  double *irradiance; // [replicates, surfaces, bands]: A_i times the mean irradiance by emission
-  double *seen;       // [faces, faces]: A F of pairs of faces, what may be missed added
-  double *missed_exchange, *missed_irradiance; // [surfaces, surfaces], [surfaces, bands]
+  double *exchange;        // [replicates, surfaces, surfaces]: A_i F_ij
+  double *seen;            // [faces, faces]: A F of pairs of faces, what may be missed added
+  double *missed_exchange; // [surfaces, surfaces]
 };
 struct oracle_sums oracle_sum_factors(struct oracle_scene *s, const struct oracle_settings *o);
 void oracle_free_sums(struct oracle_sums *q);

@@ -1,4 +1,4 @@
-// View factors between surfaces, and the irradiance by emission alone: outer points in scrambled
+// View factors between surfaces: outer points in scrambled
 // Sobol sequences on the smaller face of a pair, the inner integral closed; or rays, which share
 // nothing with it.
 #include "oracle.h"
@@ -8,22 +8,18 @@
 #include <stdlib.h>
 
 static struct oracle_sums new_sums(const struct oracle_scene *s, int replicates) {
-  const size_t n = (size_t)s->surfaces, bands = (size_t)s->bands;
+  const size_t n = (size_t)s->surfaces;
   return (struct oracle_sums){
       .exchange = oracle_new(replicates * n * n, sizeof(double)),
-      .irradiance = oracle_new(replicates * n * bands, sizeof(double)),
       .seen = oracle_new((size_t)s->faces * s->faces, sizeof(double)),
       .missed_exchange = oracle_new(n * n, sizeof(double)),
-      .missed_irradiance = oracle_new(n * bands, sizeof(double)),
   };
 }
 
 void oracle_free_sums(struct oracle_sums *q) {
   free(q->exchange);
-  free(q->irradiance);
   free(q->seen);
   free(q->missed_exchange);
-  free(q->missed_irradiance);
 }
 
 // The outer integral of a pair runs over the smaller face.
@@ -32,17 +28,12 @@ static bool outer(const struct oracle_scene *s, int a, int t) {
   return (x < y || (x == y && a < t)) && oracle_facing(s, a, t);
 }
 
-// A_a F_at and its light, both ways, to the sums of one replicate or to what may be missed.
-static void add_pair(const struct oracle_scene *s, double *to, double *light, int a, int t,
-                     double exchange) {
-  const struct face *f = &s->face[a], *g = &s->face[t];
-  const size_t n = (size_t)s->surfaces, i = (size_t)f->surface, j = (size_t)g->surface;
+// A_a F_at, both ways, to the sums of one replicate or to what may be missed.
+static void add_pair(const struct oracle_scene *s, double *to, int a, int t, double exchange) {
+  const size_t n = (size_t)s->surfaces, i = (size_t)s->face[a].surface,
+               j = (size_t)s->face[t].surface;
   to[i * n + j] += exchange;
   to[j * n + i] += exchange;
-  for (int b = 0; b < s->bands; b++) {
-    light[i * s->bands + b] += exchange * g->emission[b];
-    light[j * s->bands + b] += exchange * f->emission[b];
-  }
 }
 
 struct row {
@@ -98,13 +89,13 @@ static void add_row(const struct oracle_scene *s, int replicates, struct oracle_
     double *seen = &q->seen[a * s->faces + t];
     for (int r = 0; r < replicates; r++) {
       const double exchange = w->sum[(size_t)r * s->faces + t] * s->face[a].area / points;
-      add_pair(s, q->exchange + r * n * n, q->irradiance + r * n * s->bands, a, t, exchange);
+      add_pair(s, q->exchange + r * n * n, a, t, exchange);
       *seen += exchange / replicates;
     }
     const double missed =
         s->face[a].area * oracle_most_seen(s, a, t) / ((double)points * replicates);
     if (w->hits[t] < oracle_few) {
-      add_pair(s, q->missed_exchange, q->missed_irradiance, a, t, missed);
+      add_pair(s, q->missed_exchange, a, t, missed);
       *seen += missed;
     }
     q->seen[t * s->faces + a] = *seen;
@@ -158,12 +149,6 @@ void oracle_factors(const struct oracle_scene *s, int replicates, const struct o
                    q->missed_exchange[i * n + j] / s->area[i]);
     }
     oracle_print("row_sum", (int)i, 0, replicates, row, missed);
-    for (int b = 0; b < s->bands; b++) {
-      for (int r = 0; r < replicates; r++)
-        value[r] = q->irradiance[(r * n + i) * s->bands + b] / s->area[i];
-      oracle_print("direct_irradiance", (int)i, b, replicates, value,
-                   q->missed_irradiance[i * s->bands + b] / s->area[i]);
-    }
   }
 }
 

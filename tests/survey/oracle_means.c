@@ -1,21 +1,23 @@
-// Mean irradiance and radiosity of surfaces. Light that comes straight from emitters is that of
-// oracle_factors.c. What faces reflect is summed over points x of the surface: three points y by
-// three ways, so that each face, each lit spot and each direction gets its share, then paths of
-// rays from y on. Emitters are taken in closed form at each y, and the brightest where paths go on.
+// Mean irradiance and radiosity of surfaces. With a constant v for each surface, about its mean
+// radiosity, u = v + e, and e is the radiosity that the residual r takes the place of emission for:
+//   e = r + rho K e,  r = E - v + rho K v;   mean of h = sum of F v + mean of K e.
+// F is that of oracle_factors.c, r is closed at each point. K e is summed over points x of the
+// surface: three points y by three ways, so that each face, each lit spot and each direction gets
+// its share, then paths of rays from y on.
 #include "oracle.h"
 
 #include <math.h>
 #include <stdlib.h>
 
+struct spectrum {
+  double b[oracle_bands];
+};
 struct paths {
   struct oracle_scene *s;
   const struct oracle_settings *o;
-  bool *lamp; // taken in closed form along paths
+  struct spectrum *v; // of surfaces
   int mirrors, *mirror;
   double largest, power; // radiosity; sum of strength times area
-};
-struct spectrum {
-  double b[oracle_bands];
 };
 struct spot {
   int face; // -1: none
@@ -41,23 +43,32 @@ static double most_reflected(const struct face *f, int bands) {
   return most;
 }
 
-static void choose_lamps(struct paths *p) {
+// v = E + rho F v, by iteration.
+static void guess(struct paths *p, const struct oracle_sums *f) {
   const struct oracle_scene *s = p->s;
-  for (int lamps = 0; lamps < p->o->lamps; lamps++) {
-    int best = -1;
-    double most = 0;
-    for (int i = 0; i < s->faces; i++)
-      if (!p->lamp[i] && strength(&s->face[i], s->bands) > most)
-        most = strength(&s->face[best = i], s->bands);
-    if (best < 0)
-      break;
-    p->lamp[best] = true;
+  const size_t n = (size_t)s->surfaces;
+  struct spectrum *next = oracle_new(n, sizeof *next);
+  for (int step = 0; step < 100; step++) {
+    for (int k = 0; k < s->faces; k++) {
+      const size_t i = (size_t)s->face[k].surface;
+      for (int b = 0; b < s->bands; b++) {
+        double h = 0;
+        for (size_t j = 0; j < n; j++)
+          h += f->exchange[i * n + j] / s->area[i] * p->v[j].b[b];
+        next[i].b[b] = s->face[k].emission[b] + s->face[k].rho[b] * h;
+      }
+    }
+    struct spectrum *swap = p->v;
+    p->v = next;
+    next = swap;
   }
+  free(next);
 }
 
-static struct paths new_paths(struct oracle_scene *s, const struct oracle_settings *o) {
+static struct paths new_paths(struct oracle_scene *s, const struct oracle_settings *o,
+                              const struct oracle_sums *f) {
   struct paths p = {.s = s, .o = o};
-  p.lamp = oracle_new((size_t)s->faces, sizeof *p.lamp);
+  p.v = oracle_new((size_t)s->surfaces, sizeof *p.v);
   p.mirror = oracle_new((size_t)s->faces, sizeof *p.mirror);
   for (int i = 0; i < s->faces; i++) {
     const double e = strength(&s->face[i], s->bands);
@@ -66,26 +77,31 @@ static struct paths new_paths(struct oracle_scene *s, const struct oracle_settin
     if (most_reflected(&s->face[i], s->bands) > 0)
       p.mirror[p.mirrors++] = i;
   }
-  choose_lamps(&p);
+  guess(&p, f);
   return p;
 }
 
-// Irradiance at y of face t from emitters, or from lamps only:
-// h(y) = sum of E F(y, emitter); returned: the same sum for their strengths.
-static double direct(const struct paths *p, int t, struct vec y, bool all, struct spectrum *h) {
+// Residual at y of face t: r(y) = E - v + rho sum of v F(y, face); returned: sum of E F(y,
+// emitter).
+static double residual(const struct paths *p, int t, struct vec y, struct spectrum *r) {
   const struct oracle_scene *s = p->s;
-  double sum = 0;
-  *h = (struct spectrum){{0}};
+  const struct face *g = &s->face[t];
+  double lit = 0;
+  for (int b = 0; b < s->bands; b++)
+    r->b[b] = g->emission[b] - p->v[g->surface].b[b];
   for (int i = 0; i < s->faces; i++) {
-    const double e = strength(&s->face[i], s->bands);
-    if (e == 0 || (!all && !p->lamp[i]) || !oracle_facing(s, t, i))
+    const struct spectrum *v = &p->v[s->face[i].surface];
+    bool dark = true;
+    for (int b = 0; b < s->bands; b++)
+      dark &= v->b[b] == 0;
+    if (dark || !oracle_facing(s, t, i))
       continue;
     const double f = oracle_seen(p->s, t, y, i);
-    sum += e * f;
+    lit += f * strength(&s->face[i], s->bands);
     for (int b = 0; b < s->bands; b++)
-      h->b[b] += f * s->face[i].emission[b];
+      r->b[b] += g->rho[b] * f * v->b[b];
   }
-  return sum;
+  return lit;
 }
 
 static struct spot by_ray(const struct paths *p, int a, struct vec x, double c, double d) {
@@ -134,10 +150,10 @@ static double kernel(const struct paths *p, int a, struct vec x, struct spot y, 
   return up * down / (M_PI * square * square);
 }
 
-// Light that comes to y by further rays: share times rho h of what they meet, without that which y
-// gets straight from emitters. True if there is any.
+// Sum of share e over what rays meet from y on. The first points of a path take r in closed form,
+// then E - v there and rho v where the next ray arrives. True if there is light at all.
 static bool follow(const struct paths *p, struct spot y, struct spectrum share, uint64_t *state,
-                   struct spectrum *h) {
+                   struct spectrum *sum) {
   const struct oracle_scene *s = p->s;
   double start = 0;
   bool any = false;
@@ -149,23 +165,27 @@ static bool follow(const struct paths *p, struct spot y, struct spectrum share, 
     if (y.face < 0)
       return any;
     const struct face *g = &s->face[y.face];
+    struct spectrum r = {{0}};
+    if (bounce < p->o->closed)
+      any |= most_reflected(g, s->bands) > 0 && residual(p, y.face, y.at, &r) > 0;
     double most = 0;
     for (int b = 0; b < s->bands; b++) {
-      if (bounce && !p->lamp[y.face])
-        h->b[b] += share.b[b] * g->emission[b];
+      const double v = p->v[g->surface].b[b];
+      any |= bounce >= p->o->closed && v > 0;
+      sum->b[b] += share.b[b] * (bounce < p->o->closed ? r.b[b] : g->emission[b] - v);
+      if (bounce > p->o->closed)
+        sum->b[b] += share.b[b] * v;
       most = fmax(most, share.b[b] *= g->rho[b]);
     }
     const double stay = bounce < 2 ? 1 : fmin(1, 3 * most / start);
     if (most <= 0 || (stay < 1 && oracle_random(state) >= stay))
       return any;
-    struct spectrum there;
-    any |= direct(p, y.face, y.at, false, &there) > 0;
     for (int b = 0; b < s->bands; b++)
-      h->b[b] += there.b[b] * (share.b[b] /= stay);
+      share.b[b] /= stay;
   }
 }
 
-// One point y for x: rho(y) h(y) G(x, y) / (G(x, y) + densities of the other two ways).
+// One point y for x: e(y) G(x, y) / (G(x, y) + densities of the other two ways).
 static void add_spot(const struct paths *p, int a, struct vec x, struct spot y, bool seen,
                      uint64_t *state, struct gain *q, struct spectrum *sum) {
   const struct oracle_scene *s = p->s;
@@ -174,17 +194,15 @@ static void add_spot(const struct paths *p, int a, struct vec x, struct spot y, 
   const double g = kernel(p, a, x, y, seen);
   if (g == 0)
     return;
-  struct spectrum h, share = {{0}};
-  const double lit = direct(p, y.face, y.at, true, &h) / p->power;
+  struct spectrum r, share = {{0}};
+  const double lit = residual(p, y.face, y.at, &r) / p->power;
   const double weight = g / (g + lit + 1 / (p->mirrors * s->face[y.face].area));
   for (int b = 0; b < s->bands; b++) {
     share.b[b] = weight * s->face[y.face].rho[b];
-    h.b[b] *= share.b[b];
+    sum->b[b] += weight * r.b[b];
   }
   q->hits[y.face] += lit > 0;
-  q->tails[y.face] += follow(p, y, share, state, &h);
-  for (int b = 0; b < s->bands; b++)
-    sum->b[b] += h.b[b];
+  q->tails[y.face] += follow(p, y, share, state, sum);
 }
 
 static void gather(const struct paths *p, int surface, uint32_t first, uint32_t last,
@@ -205,7 +223,7 @@ static void gather(const struct paths *p, int surface, uint32_t first, uint32_t 
       add_spot(p, a, x, by_area(p, &z[5]), false, &state, q, &h);
       for (int b = 0; b < p->s->bands; b++) {
         q->sum[r][b] += h.b[b];
-        q->largest[b] = fmax(q->largest[b], h.b[b]);
+        q->largest[b] = fmax(q->largest[b], fabs(h.b[b]));
       }
     }
   }
@@ -287,22 +305,32 @@ static double missed(const struct paths *p, const struct oracle_sums *f, const s
   return sum;
 }
 
+// sum of F v, of a replicate.
+static double steady(const struct paths *p, const struct oracle_sums *f, int r, int i, int b) {
+  const size_t n = (size_t)p->s->surfaces;
+  double sum = 0;
+  for (size_t j = 0; j < n; j++)
+    sum += f->exchange[(r * n + i) * n + j] * p->v[j].b[b];
+  return sum / p->s->area[i];
+}
+
 // u = E + rho h, net = u - h; rho and E of a surface's faces are the same.
 static void report(const struct paths *p, const struct oracle_sums *f, const struct gain *q, int i,
                    uint32_t points) {
   const struct oracle_scene *s = p->s;
   const int n = p->o->replicates;
-  const size_t stride = (size_t)s->surfaces * s->bands, at = (size_t)i * s->bands;
+  const size_t m = (size_t)s->surfaces;
   const struct face *own = s->face;
   while (own->surface != i)
     own++;
   for (int b = 0; b < s->bands; b++) {
     const double rho = own->rho[b], e = own->emission[b];
-    const double less =
-        f->missed_irradiance[at + b] / s->area[i] + missed(p, f, q, i, b, (double)points * n);
+    double less = missed(p, f, q, i, b, (double)points * n);
+    for (size_t j = 0; j < m; j++)
+      less += f->missed_exchange[i * m + j] / s->area[i] * p->v[j].b[b];
     double h[oracle_replicates], u[oracle_replicates], net[oracle_replicates];
     for (int r = 0; r < n; r++) {
-      h[r] = f->irradiance[r * stride + at + b] / s->area[i] + q->sum[r][b] / points;
+      h[r] = steady(p, f, r, i, b) + q->sum[r][b] / points;
       u[r] = e + rho * h[r];
       net[r] = e + (rho - 1) * h[r];
     }
@@ -318,7 +346,7 @@ static void surface_means(const struct paths *p, const struct oracle_sums *f, in
                    .tails = oracle_new((size_t)s->faces, sizeof *q.tails)};
   double own[oracle_bands];
   for (int b = 0; b < s->bands; b++)
-    own[b] = f->irradiance[i * s->bands + b] / s->area[i];
+    own[b] = steady(p, f, 0, i, b);
   uint32_t points = p->o->rays;
   if (p->mirrors && p->power > 0) {
     gather(p, i, 0, points, &q);
@@ -334,9 +362,9 @@ static void surface_means(const struct paths *p, const struct oracle_sums *f, in
 
 void oracle_means(struct oracle_scene *s, const struct oracle_settings *o,
                   const struct oracle_sums *f) {
-  const struct paths p = new_paths(s, o);
+  const struct paths p = new_paths(s, o, f);
   for (int i = 0; i < s->surfaces; i++)
     surface_means(&p, f, i);
-  free(p.lamp);
+  free(p.v);
   free(p.mirror);
 }
