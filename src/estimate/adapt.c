@@ -414,7 +414,7 @@ static int is_done(const struct rad_goal *g, struct rad_adaptive *a, struct rad_
 static void give_up(struct rad_adaptive *a) {
   a->stuck = a->wanted < 0.7 * a->least ? 0 : a->stuck + 1;
   a->least = fmin(a->least, a->wanted);
-  if (a->stuck == 6 || a->levels == MAX_LEVEL)
+  if (a->stuck == 6 || a->levels >= MAX_LEVEL)
     snprintf(
         a->reason, sizeof a->reason,
         "refinement no longer lowers the bound: rounding or the inner tolerances are in the way");
@@ -433,7 +433,8 @@ enum rad_code rad_adapt(const struct rad_scene *scene, const struct rad_goal *g,
     if (concluded && ((code = conclude(g, a, e)) || is_done(g, a, e, &code)))
       break;
     a->quadrature = fmin(a->quadrature, quadrature_tolerance(g, a->report.inverse_norm));
-    give_up(a);
+    if (!concluded) /* else what is wanted has become more */
+      give_up(a);
     if (a->reason[0] || (code = refine(a, e)))
       break;
   }

@@ -37,18 +37,21 @@ static double polygon_side(const struct rad_pair *p, const double y[3], const do
 }
 
 /* True if the polygons of two twins lie on opposite sides of the edge as seen from all of the cell:
- * by far from its middle, and not on the same side, but for rounding, from a corner. */
+ * by far from its middle, and each on that side or, but for rounding, on none from all corners. One
+ * may change sides where the other is seen edge on; only those of one plane change together. */
 static int opposite(const struct rad_pair *p, const struct rad_flat *cell, const double *a,
                     const double *b, int side, int other) {
   double middle[3];
   for (int d = 0; d < 3; d++)
     middle[d] = (cell->corner[0][d] + cell->corner[1][d] + cell->corner[2][d]) / 3;
-  if (!(polygon_side(p, middle, a, b, side) * polygon_side(p, middle, a, b, other) < -SIDE))
+  double sign = polygon_side(p, middle, a, b, side);
+  if (!(sign * polygon_side(p, middle, a, b, other) < -SIDE))
     return 0;
+  sign = sign > 0 ? 1 : -1;
   for (int m = 0; m < 3; m++) {
-    double one = polygon_side(p, cell->corner[m], a, b, side);
-    double two = polygon_side(p, cell->corner[m], a, b, other);
-    if (one * two > 0 && fabs(one) > SIDE && fabs(two) > SIDE)
+    double one = sign * polygon_side(p, cell->corner[m], a, b, side);
+    double two = sign * polygon_side(p, cell->corner[m], a, b, other);
+    if ((one < -SIDE || two > SIDE) && fabs(one + two) > SIDE)
       return 0;
   }
   return 1;

@@ -159,10 +159,11 @@ static enum rad_code partly_visible(struct rad_pairs *p, struct worker *w, const
     points += rad_cell_points(w->scratch);
     double scale = fmin(p->g->scene->triangle[i].area, p->g->scene->triangle[j].area);
     if (!code && !(fabs(p->from_other[k] - p->value[k]) <= error + p->error[k] + 1e-13 * scale))
-      code = rad_fail(e, RAD_ENUMERIC,
-                      "an error of the program: triangles %d and %d exchange %.9g +- %.1e m2 seen "
-                      "from the first and %.9g +- %.1e m2 from the second; please report the scene",
-                      outer, i + j - outer, p->value[k], p->error[k], p->from_other[k], error);
+      code =
+          rad_fail(e, RAD_ENUMERIC,
+                   "an error of the program: triangles %d and %d exchange %.9g +- %.1e m2 seen "
+                   "from the first and %.9g +- %.1e m2 from the second; please report the scene",
+                   outer + 1, i + j - outer + 1, p->value[k], p->error[k], p->from_other[k], error);
   }
 #pragma omp atomic
   p->points += points;

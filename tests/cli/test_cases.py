@@ -87,6 +87,21 @@ class Cases(test_view_factors_cli.Numbers):
                     if s != lamp:
                         self.holds(h[s][1], emission * f[at], emission * float(tolerance), emission * e[at])
 
+    def test_box_on_floor(self):
+        """The box's upright edge shows from behind the plane of one of its walls, though a corner of the floor lies in the
+        other's: both sides of a pair agree. Right value: the survey's oracle."""
+        for tolerance in "1e-2", "1e-3", "1e-4":
+            self.surfaces("box_on_floor.yml", "--set", "accuracy.tolerance=" + tolerance)
+            f, e = self.numbers("r.h5", "matrix"), self.numbers("r.h5", "error")
+            self.holds((f[6], e[6]), 0.29249988, float(tolerance), 3e-7)
+
+    def test_lamp_over_edge(self):
+        """The bound of u is met on the first level; those that the lamp's mean asks for are not held against it."""
+        for tolerance in 2e-2, 1e-2:
+            value, error = self.surfaces("lamp_over_edge.yml", "--set", "accuracy.tolerance=%g" % tolerance)["lamp"][1]
+            self.assertLessEqual(error, tolerance)
+            self.assertLessEqual(abs(value - 0.418824), tolerance)
+
     def test_lamp_below_ceiling_of_one_constant(self):
         """27.7 in place of .249: who asks for such rows is told."""
         p = self.call("run", self.lamp(2.9, "method: {mesh: uniform, elements: 1, degree: 0}\n"), "-o", "c.h5")

@@ -8,7 +8,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { oracle_bands = 4, oracle_dimensions = 7, oracle_replicates = 64 };
+enum { oracle_bands = 4, oracle_dimensions = 9, oracle_replicates = 64 };
 
 struct vec {
   double x, y, z;
@@ -72,18 +72,37 @@ struct vec oracle_point(const struct face *f, double a, double b);
 struct vec oracle_cosine(struct vec normal, double a, double b);
 
 struct oracle_settings {
-  uint32_t first, most; // points a replicate: at least, at most (powers of two)
-  int replicates, lamps;
-  double
-      target; // standard error asked for: of a view factor, or of a mean over the largest radiosity
+  uint32_t first,
+      most; // points a replicate on the faces of pairs: at least, at most (powers of two)
+  uint32_t rays, paths; // the same for means: at least, at most
+  int replicates;
+  int closed;    // points of a path that see all faces in closed form
+  double target; // standard error asked for: of a view factor, of a mean relative to it
   uint64_t seed;
 };
 // Mean and standard error of n independent values.
 void oracle_mean(int n, const double *value, double *mean, double *error);
 // Face of a surface, each with its share of the area.
 int oracle_pick(const struct oracle_scene *s, int surface, double share);
-void oracle_factors(struct oracle_scene *s, const struct oracle_settings *o);
+// No point of a sends more than this share to t; 0: they do not face each other.
+double oracle_most_seen(const struct oracle_scene *s, int a, int t);
+
+// Pair integrals of all replicates, and what may have been missed of them.
+struct oracle_sums {
+  double *exchange;        // [replicates, surfaces, surfaces]: A_i F_ij
+  double *seen;            // [faces, faces]: A F of pairs of faces, what may be missed added
+  double *missed_exchange; // [surfaces, surfaces]
+};
+struct oracle_sums oracle_sum_factors(struct oracle_scene *s, const struct oracle_settings *o);
+void oracle_free_sums(struct oracle_sums *q);
+enum { oracle_few = 8 }; // fewer points that see something do not tell how much is seen
+// "what i j mean error": the mean of the replicates' values, their standard error and what is
+// missed.
+void oracle_print(const char *what, int i, int j, int n, const double *value, double missed);
+
+void oracle_factors(const struct oracle_scene *s, int replicates, const struct oracle_sums *q);
 void oracle_rays(struct oracle_scene *s, const struct oracle_settings *o);
-void oracle_means(struct oracle_scene *s, const struct oracle_settings *o);
+void oracle_means(struct oracle_scene *s, const struct oracle_settings *o,
+                  const struct oracle_sums *f);
 
 #endif

@@ -127,6 +127,34 @@ bool oracle_facing(const struct oracle_scene *s, int a, int b) {
   return !s->coplanar[a * s->faces + b] && highest(f, g) > eps && highest(g, f) > eps;
 }
 
+static struct vec middle(const struct face *f) {
+  return along(along(f->v[0], 1 / 3., sub(f->v[1], f->v[0])), 1 / 3., sub(f->v[2], f->v[0]));
+}
+
+// Width of the slab across direction n that lies between both faces, or <= 0.
+static double gap(const struct face *f, const struct face *g, struct vec n) {
+  double least = INFINITY, most = -INFINITY;
+  for (int i = 0; i < 3; i++)
+    for (int k = 0; k < 3; k++) {
+      const double d = dot(n, sub(g->v[k], f->v[i]));
+      least = fmin(least, d);
+      most = fmax(most, d);
+    }
+  return fmax(least, -most) / sqrt(dot(n, n));
+}
+
+// F <= A_t / (pi d^2), d a bound of the distance.
+double oracle_most_seen(const struct oracle_scene *s, int a, int t) {
+  const struct face *f = &s->face[a], *g = &s->face[t];
+  if (!oracle_facing(s, a, t))
+    return 0;
+  double d = fmax(gap(f, g, f->normal), gap(f, g, g->normal));
+  const struct vec n = sub(middle(g), middle(f));
+  if (dot(n, n) > 0)
+    d = fmax(d, gap(f, g, n));
+  return d > 0 ? fmin(1, g->area / (M_PI * d * d)) : 1;
+}
+
 static void widen(const struct face *f, double low[3], double high[3]) {
   for (int k = 0; k < 3; k++) {
     const double v[3] = {f->v[k].x, f->v[k].y, f->v[k].z};

@@ -96,7 +96,7 @@ class Oracle(unittest.TestCase):
         self.assertLess(answer["factor", 0, 1][0], 1e-15)
 
     def test_closed_rooms(self):
-        """Row sums are 1, in equilibrium radiosity is 1 on every face, however many lamps are taken apart."""
+        """Row sums are 1, in equilibrium radiosity is 1 on every face, whatever paths take in closed form."""
         for kind in ("hover", "stand", "enclosure"):
             for seed in range(1, 2):
                 s = scenes.make(kind, seed)
@@ -107,25 +107,43 @@ class Oracle(unittest.TestCase):
                 factors = ask(s, "factors", first=16, most=16)
                 for i in range(len(s.names())):
                     self.near(factors["row_sum", i, 0], 1, 0.05)
-                for lamps in (0, 3):
-                    answer = ask(s, "means", first=128, most=128, lamps=lamps)
+                for closed in (0, 16):
+                    answer = ask(s, "means", first=16, most=16, rays=128, paths=128, closed=closed)
                     for i in range(len(s.names())):
                         for b in range(s.bands):
                             self.near(answer["irradiance", i, b], 1, 0.03)
                             self.near(answer["radiosity", i, b], 1, 0.03)
 
     def test_ways_agree(self):
-        """Clipper and rays for view factors; lamps apart or not; means of a black scene by factors and by paths."""
+        """Clipper and rays for view factors; means in closed form along paths, or by what rays meet."""
         for kind, seed in (("soup", 3), ("hole", 4), ("slit", 2), ("needles", 1), ("body_black", 1), ("crossed", 4)):
             s = scenes.make(kind, seed)
             clip, rays = ask(s, "factors", first=64, most=256), ask(s, "rays", first=2048)
             for key in rays:
                 self.near(clip[key], rays[key][0], 0.05 + 6 * rays[key][1]) if not rays[key][1] else self.both(clip[key], rays[key], key)
-            paths, plain = (ask(s, "means", first=256, most=256, lamps=n) for n in (4, 0))
-            for key in paths:
-                self.both(paths[key], plain[key], (kind, key))
-                if s.black and key[0] == "irradiance":
-                    self.both(paths[key], clip["direct_irradiance", key[1], key[2]], (kind, key))
+            closed, plain = (ask(s, "means", first=64, most=256, rays=256, paths=256, closed=n) for n in (16, 0))
+            for key in closed:
+                self.both(closed[key], plain[key], (kind, key))
+
+    def test_weak_mirror(self):
+        """Light by way of a mirror that a ray in twenty million meets: rho E F(eye, mirror) F(mirror, lamp), all small."""
+        s = scenes.Scene("mirror", 1)
+        size, area = 1e-3, 0.5e-6
+        s.triangle("mirror", (0, 0, 0), (size, 0, 0), (0, size, 0))
+        s.triangle("lamp", (0, 0, 1), (0, size, 1), (size, 0, 1))
+        s.triangle("eye", (1, 0, 1), (1, size, 1), (1 + size, 0, 1))
+        for name in s.names():
+            s.light(name, 0.5 if name == "mirror" else 0, 1 if name == "lamp" else 0)
+        answer = ask(s, "means", first=64, most=64, rays=64, paths=64)
+        f, g = area / math.pi, area / (4 * math.pi)
+        self.near(answer["irradiance", 0, 0], f, 1e-5 * f)
+        self.near(answer["irradiance", 2, 0], 0.5 * f * g, 1e-3 * f * g)
+
+    def test_weak_senders(self):
+        """Surface 3 of soup 4 gets a fiftieth of its light from faces of which it sees 1e-5."""
+        value, error = ask(scenes.make("soup", 4), "means", first=32, most=512, rays=32, paths=512, replicates=32)["irradiance", 3, 0]
+        self.assertLess(error, 2e-6)
+        self.assertLess(abs(value - 0.0025640), 6 * error)
 
     def both(self, a, b, what):
         self.assertLess(abs(a[0] - b[0]), 7 * math.hypot(a[1], b[1]) + 1e-13, f"{what}: {a}, {b}")
