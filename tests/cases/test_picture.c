@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "app/picture.h"
 #include "base/vec.h"
 #include "scene_text.h"
 #include "suite.h"
@@ -378,6 +379,30 @@ START_TEST(bright_spot) {
 }
 END_TEST
 
+/* What a mesh by hand is planned to take has room for the cells that halving adds. */
+START_TEST(planned_memory) {
+  const double floor[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const double lamp[3][3] = {{.3, .3, .001}, {.3, .302, .001}, {.302, .3, .001}};
+  struct deck_text deck;
+  struct rad_case c;
+  struct rad_result r;
+  deck_begin(&deck);
+  deck_polygon(&deck, "floor", 3, floor, 0.5, 0);
+  deck_polygon(&deck, "lamp", 3, lamp, 0, 1);
+  deck_add(&deck,
+           "accuracy: {tolerance: 1e-3}\noutput: {sampling: 1}\n"
+           "method: {mesh: paper, elements: 1, degree: 0}\n");
+  solve(&deck, &c, &r);
+  const struct rad_picture *p = &r.picture;
+  double of_point = sizeof(struct rad_dot) + (3 + 5) * sizeof(double);
+  double of_cell = sizeof(struct rad_tile) + (4 + 1 + 2) * sizeof(double);
+  double taken = (double)p->n_point * of_point + (double)p->n_cell * of_cell;
+  ck_assert_double_ge((double)p->n_cell, 10 * c.mesh->n_element); /* else nothing is tested */
+  ck_assert_double_ge(c.plan.rest_bytes, taken);
+  release(&c, &r);
+}
+END_TEST
+
 /* ---- probes ------------------------------------------------------------------------------------
  */
 
@@ -435,6 +460,7 @@ int main(void) {
   tcase_add_loop_test(rooms, closed_rooms, 0, full ? 200 : 12);
   tcase_add_loop_test(rooms, wedges, 0, 4);
   tcase_add_loop_test(rooms, black_rooms, 0, full ? 40 : 4);
+  tcase_add_test(spot, planned_memory);
   tcase_add_test(rooms, probes_of_coarse_meshes);
   tcase_add_loop_test(spot, bright_spot, 0, sizeof spots / sizeof *spots);
   suite_add_tcase(suite, rooms);
