@@ -118,8 +118,7 @@ static enum rad_code set_errors(const struct rad_case *c, const struct rad_point
       rad_alloc((size_t)list->n * (size_t)nb, sizeof(double));
   if (!error)
     return rad_fail_memory(e, "the probes", 8.0 * list->n * nb);
-  enum rad_code code =
-      rad_irradiance_at(c->mesh, &c->rules, c->visibility.sight, list, nb, c->adaptive.z, error, e);
+  enum rad_code code = rad_irradiance_at(c->mesh, &c->rules, list, nb, c->adaptive.z, error, e);
   for (int i = 0; i < list->n && !code; i++)
     for (int b = 0; b < nb; b++)
       error[i * nb + b] =
@@ -154,8 +153,7 @@ enum rad_code rad_case_probes(const struct rad_case *c, struct rad_result *r, st
   }
   struct rad_point_list list = {(int)n, triangle, base, (const double(*)[2])mu};
   if (!code && n)
-    code = rad_irradiance_at(c->mesh, &c->rules, c->visibility.sight, &list, (int)nb, c->u,
-                             r->probe_irradiance, e);
+    code = rad_irradiance_at(c->mesh, &c->rules, &list, (int)nb, c->u, r->probe_irradiance, e);
   if (!code)
     code = set_errors(c, &list, r, e);
   if (!code)

@@ -272,8 +272,8 @@ static enum rad_code look_below(struct work *w, const struct rad_rules *rules, c
   struct rad_indicator *x = w->x;
   enum rad_code code = rad_feet_find(w->mesh, w->sees, w->passive, &x->feet, e);
   if (!code)
-    code = rad_feet_gaps(w->mesh, &w->x->fine, rules, w->sees, u, w->x->star, w->d, x->scale,
-                         w->wanted, &x->feet, x->unseen_received, e);
+    code = rad_feet_gaps(w->mesh, &w->x->fine, rules, u, w->x->star, w->d, x->scale, w->wanted,
+                         &x->feet, x->unseen_received, e);
   for (int i = 0; i < w->mesh->scene->n_triangle * w->n_band; i++) {
     double *unseen = &x->unseen[i / w->n_band];
     *unseen = fmax(*unseen, w->weight[i] * x->unseen_received[i]);
