@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "app/checkpoint.h"
+#include "app/picture.h"
 #include "base/clock.h"
 #include "base/memory.h"
 #include "system/coarse.h"
@@ -65,6 +66,13 @@ static int is_bright(const struct rad_scene *s) {
   return most > 0.9;
 }
 
+/* Of what halving adds: about five points for three cells, and a middle that is looked at for each.
+ */
+static double halved_bytes(const struct rad_case *c) {
+  return c->plan.halved *
+         (3 * (24 + 40.0 * c->scene.n_band) + 64 + (double)sizeof(struct rad_tile));
+}
+
 /* Sizes of the run, from counts alone. */
 static void plan(struct rad_case *c) {
   struct rad_plan *p = &c->plan;
@@ -74,7 +82,7 @@ static void plan(struct rad_case *c) {
   double picture = elements * ((s + 1.0) * (s + 1) * (24 + 40.0 * nb) + s * s * 64.0);
   p->unknowns = n;
   p->system = rad_plan_dense(c->deck.method.solver, n, nb);
-  p->rest_bytes = mesh + picture;
+  p->rest_bytes = mesh + picture + halved_bytes(c);
   if (p->system.solver == RAD_SOLVER_GMRES && is_bright(&c->scene))
     p->rest_bytes += 0.5 * (rad_coarse_bytes(n, nb) + rad_local_bytes(n, nb));
   p->base_bytes = rad_memory_resident();
@@ -173,7 +181,10 @@ enum rad_code rad_case_build(struct rad_progress *progress, struct rad_case *c,
   if (code)
     return code;
   c->seconds_mesh = rad_seconds() - start;
-  code = choose_matrix(c, e);
+  if (c->wants_bound)
+    code = rad_picture_halved(c, &c->plan.halved, e);
+  c->plan.rest_bytes += halved_bytes(c);
+  code = code ? code : choose_matrix(c, e);
   return code ? code : rad_case_check_probes(c, e);
 }
 

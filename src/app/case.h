@@ -14,6 +14,7 @@ struct rad_plan {
   double bytes;      /* memory that the run takes at once, from here on */
   double base_bytes; /* held already: libraries, scene, visibility */
   double rest_bytes; /* of mesh and picture */
+  double halved;     /* cells that halving may add to the picture; 0 before there is a mesh */
   double available;  /* memory that there is */
   double seconds;    /* predicted, whole run */
   double unknowns;

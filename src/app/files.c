@@ -60,6 +60,16 @@ static enum rad_code refuse_given(const struct rad_command *c, const struct rad_
   return code ? code : refuse_meshes(m, deck, e);
 }
 
+/* Opening a pipe waits for who reads it. */
+static enum rad_code refuse_obstacle(const struct made *m, struct rad_error *e) {
+  const char *obstacle = rad_save_obstacle(m->path);
+  if (!obstacle)
+    return RAD_OK;
+  return rad_fail(e, RAD_EINPUT,
+                  "error: the %s cannot be written to %.300s, which is %s; give a file by %s",
+                  m->what, m->path, obstacle, m->option);
+}
+
 enum rad_code rad_files_check(const struct rad_command *c, const struct rad_deck *deck,
                               const char *output, struct rad_error *e) {
   const struct made made[] = {{output, product(c), "-o"},
@@ -70,6 +80,8 @@ enum rad_code rad_files_check(const struct rad_command *c, const struct rad_deck
     code = refuse_given(c, deck, &made[i], e);
   if (!code && n == 2)
     code = refuse(&made[1], made[0].what, output, e);
+  for (int i = 0; i < n && !code; i++)
+    code = refuse_obstacle(&made[i], e);
   for (int i = 0; i < n && !code; i++)
     code = rad_save_try(made[i].path, e);
   return code;

@@ -14,8 +14,8 @@
  *
  * @param[in] deck    read, or NULL: the command has none
  * @param[in] output  where the result, table or part goes
- * @return RAD_EINPUT for an output that is a file given, or the other output; RAD_ESYSTEM where
- *         nothing can be written
+ * @return RAD_EINPUT for an output that is a file given, or the other output, or no file at all (a
+ *         pipe); RAD_ESYSTEM where nothing can be written
  */
 enum rad_code rad_files_check(const struct rad_command *command, const struct rad_deck *deck,
                               const char *output, struct rad_error *e);

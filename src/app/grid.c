@@ -79,7 +79,7 @@ static enum rad_code evaluate_star(const struct rad_case *c, enum rad_grid grid,
   }
   struct rad_point_list list = {(int)n, triangle, base, (const double(*)[2])mu};
   if (!code)
-    code = rad_irradiance_at(c->mesh, &c->rules, c->visibility.sight, &list, nb, c->u, value, e);
+    code = rad_irradiance_at(c->mesh, &c->rules, &list, nb, c->u, value, e);
   if (!code)
     rad_iterated(&c->scene, &list, value, value);
   free(triangle);

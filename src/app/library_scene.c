@@ -29,6 +29,9 @@ static enum rad_code check_counts(const struct polyrad_scene *s, struct rad_erro
     return rad_fail(e, RAD_EINPUT,
                     "n_surface is %d and surface is %s; give both for 1 to %d surfaces, or neither",
                     s->n_surface, s->surface ? "given" : "NULL", s->n_triangle);
+  if (s->surface_name && !s->surface)
+    return rad_fail(e, RAD_EINPUT,
+                    "surface_name is given, but no surface; give surface and n_surface with it");
   int given = !!s->emission + !!s->vertex_emission + !!s->emission_at;
   if (s->emissivity && (s->rho || given || bands_of(s) > 1))
     return rad_fail(e, RAD_EINPUT,

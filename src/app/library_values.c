@@ -57,8 +57,7 @@ static enum rad_code evaluate(polyrad *p, int n, const int *triangle, const doub
     code = locate(p, n, triangle, at, weighted, &s);
   struct rad_point_list list = {n, s.triangle, s.base, (const double(*)[2])s.mu};
   if (!code)
-    code = rad_irradiance_at(c->mesh, &c->rules, c->visibility.sight, &list, c->scene.n_band, c->u,
-                             s.h, &p->error);
+    code = rad_irradiance_at(c->mesh, &c->rules, &list, c->scene.n_band, c->u, s.h, &p->error);
   if (!code && irradiance)
     memcpy(irradiance, s.h, total * sizeof(double));
   if (!code && radiosity)

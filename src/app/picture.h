@@ -46,6 +46,9 @@ int rad_picture_steps(const struct rad_case *c, int element);
 /* True if an element is one Lagrange cell. Black faces never are: their light may be anything. */
 int rad_picture_is_lagrange(const struct rad_case *c, int element);
 
+/* Most tiles that halving may add where the mesh was made by hand: there it is for feet only. */
+enum rad_code rad_picture_halved(const struct rad_case *c, double *most, struct rad_error *e);
+
 enum rad_code rad_canvas_begin(const struct rad_case *c, struct rad_canvas *canvas,
                                struct rad_error *e);
 void rad_canvas_free(struct rad_canvas *canvas); /* safe twice */

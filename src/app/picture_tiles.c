@@ -352,11 +352,32 @@ static enum rad_code fail_memory(const struct rad_canvas *p, struct rad_error *e
                          (double)p->n_dot * (24 + 8.0 * p->width));
 }
 
+static int64_t most_of_all(int64_t grids) {
+  return grids > LEAST_OF_ALL / MOST_OF_ALL ? MOST_OF_ALL * grids : LEAST_OF_ALL;
+}
+
+enum rad_code rad_picture_halved(const struct rad_case *c, double *most, struct rad_error *e) {
+  struct rad_feet feet;
+  size_t n = (size_t)c->mesh->n_element;
+  double s = c->deck.output.sampling, grids = (double)n * s * s, halved = 0;
+  unsigned char *has_foot = rad_calloc(n, 1);
+  enum rad_code code = rad_feet_find(c->mesh, c->visibility.sight, NULL, &feet, e);
+  if (!code && !has_foot)
+    code = rad_fail_memory(e, "the picture", (double)n);
+  for (int i = 0; i < feet.n_foot && !code; i++)
+    has_foot[feet.foot[i].element] = 1;
+  for (size_t i = 0; i < n && !code; i++)
+    halved += has_foot[i] ? MOST_OF_ELEMENT : 0;
+  *most = fmin(halved, (double)most_of_all((int64_t)grids) - grids);
+  rad_feet_free(&feet);
+  free(has_foot);
+  return code;
+}
+
 static enum rad_code refine(struct rad_canvas *p, struct rad_error *e) {
   size_t n = (size_t)p->c->scene.n_triangle * (size_t)p->c->scene.n_band;
   double *most = rad_calloc(n, sizeof(double));
-  int64_t limit = MOST_OF_ALL * p->n_tile, from = 0;
-  limit = limit > LEAST_OF_ALL ? limit : LEAST_OF_ALL;
+  int64_t limit = most_of_all(p->n_tile), from = 0;
   enum rad_code code = most ? RAD_OK : fail_memory(p, e);
   while (!code && from < p->n_dot) {
     see_largest(p, from, most);

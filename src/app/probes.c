@@ -7,6 +7,7 @@
 #include "app/case.h"
 #include "base/memory.h"
 #include "base/vec.h"
+#include "estimate/checks.h"
 #include "scene/heat.h"
 
 /* A weight below this is rounding: the point is on the edge. */
@@ -92,6 +93,39 @@ enum rad_code rad_case_check_probes(const struct rad_case *c, struct rad_error *
   return locate_all(c, NULL, e);
 }
 
+/* What h lacks at a point beside K z, over the band's scale. Where a mesh has no limits at edges,
+ * nothing is known of them. */
+static double light_source(const struct rad_case *c, const struct rad_point_list *list, int i,
+                           int band) {
+  const struct rad_mesh *mesh = c->mesh;
+  const double *mu = list->mu[i];
+  int first = mesh->patch_first[list->triangle[i]];
+  int n = mesh->patch_first[list->triangle[i] + 1] - first;
+  double phi, r;
+  int patch = first + rad_patch_locate(&mesh->patch[first], n, list->base[i], mu, &phi, &r);
+  if (mesh->patch[patch].corner < 0 && fmin(fmin(mu[0], mu[1]), 1 - mu[0] - mu[1]) < RAD_NEAREST)
+    return INFINITY;
+  return c->adaptive.light_source[rad_mesh_locate(mesh, patch, phi, r) * c->scene.n_band + band];
+}
+
+/* |h - K u_h| <= |K d| + K z (theory 6.11), where the run has a bound. */
+static enum rad_code set_errors(const struct rad_case *c, const struct rad_point_list *list,
+                                struct rad_result *r, struct rad_error *e) {
+  int nb = c->scene.n_band;
+  if (!c->has_bound || list->n == 0)
+    return RAD_OK;
+  double *error = r->probe_error_irradiance =
+      rad_alloc((size_t)list->n * (size_t)nb, sizeof(double));
+  if (!error)
+    return rad_fail_memory(e, "the probes", 8.0 * list->n * nb);
+  enum rad_code code = rad_irradiance_at(c->mesh, &c->rules, list, nb, c->adaptive.z, error, e);
+  for (int i = 0; i < list->n && !code; i++)
+    for (int b = 0; b < nb; b++)
+      error[i * nb + b] =
+          c->adaptive.indicator.scale[b] * (light_source(c, list, i, b) + error[i * nb + b]);
+  return code;
+}
+
 enum rad_code rad_case_probes(const struct rad_case *c, struct rad_result *r, struct rad_error *e) {
   size_t n = (size_t)c->deck.n_probe, nb = (size_t)c->scene.n_band;
   struct rad_place *place = rad_alloc(n, sizeof *place);
@@ -119,8 +153,9 @@ enum rad_code rad_case_probes(const struct rad_case *c, struct rad_result *r, st
   }
   struct rad_point_list list = {(int)n, triangle, base, (const double(*)[2])mu};
   if (!code && n)
-    code = rad_irradiance_at(c->mesh, &c->rules, c->visibility.sight, &list, (int)nb, c->u,
-                             r->probe_irradiance, e);
+    code = rad_irradiance_at(c->mesh, &c->rules, &list, (int)nb, c->u, r->probe_irradiance, e);
+  if (!code)
+    code = set_errors(c, &list, r, e);
   if (!code)
     rad_iterated(&c->scene, &list, r->probe_irradiance, r->probe_radiosity);
   for (size_t i = 0; i < n && !code && c->scene.heat; i++) {

@@ -55,6 +55,7 @@ void rad_adaptive_free(struct rad_adaptive *a) {
   free(a->element_bound);
   free(a->least_weight);
   free(a->source);
+  free(a->light_source);
   free(a->z);
   *a = (struct rad_adaptive){0};
 }
@@ -289,8 +290,9 @@ static enum rad_code conclude(const struct rad_goal *g, struct rad_adaptive *a,
   double start = rad_seconds(), *sources = NULL;
   free(a->element_bound);
   free(a->source);
+  free(a->light_source);
   free(a->z);
-  a->element_bound = a->source = a->z = NULL;
+  a->element_bound = a->source = a->light_source = a->z = NULL;
   rad_means_free(&a->means);
   rad_progress_phase(a->layout.scene->progress, "means");
   enum rad_code code = rad_set_element_bound(a, e);

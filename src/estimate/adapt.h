@@ -25,12 +25,13 @@ struct rad_adaptive {
   double *rho, *emission, *u, *h; /* owned [n_band, n_point] */
   struct rad_solve_report report;
   struct rad_indicator indicator;
-  double bound;          /* of max |u - u*| over max |u|, from 1e-7 of edges and vertices on */
-  double bound_limit;    /* the same right up to edges and vertices */
-  double *source;        /* owned [n_element] g of (6.2), over max |u|: the element's largest
-                            |rho K d|, limits at edges included, what its samples may miss, and what
-                            integrals, compression and solver add */
-  double *z;             /* owned [n_band, n_point] z of (6.2) at the collocation points */
+  double bound;         /* of max |u - u*| over max |u|, from 1e-7 of edges and vertices on */
+  double bound_limit;   /* the same right up to edges and vertices */
+  double *source;       /* owned [n_element] g of (6.2), over max |u|: the element's largest
+                           |rho K d|, limits at edges included, what its samples may miss, and what
+                           integrals, compression and solver add */
+  double *light_source; /* owned [n_element, n_band] the same of K u_h in place of u*, with |K d| */
+  double *z;            /* owned [n_band, n_point] z of (6.2) at the collocation points */
   double *element_bound; /* owned [n_element] z, largest of the element's points */
   struct rad_means means;
   double *least_weight; /* owned [n_triangle, n_band] of K d, or NULL: where means asked for more */

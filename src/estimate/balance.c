@@ -8,11 +8,28 @@
 #include "visibility/facing.h"
 #include "visibility/visibility.h"
 
+/* What backs receive depends on all that is sent, which is as wrong as u: `sent_error`. */
+static enum rad_code check_enclosed(const struct rad_balance *b, const char *band, int k,
+                                    double sent_error, struct rad_error *e) {
+  double error = b->error[k], rounding = 1e-12 * fabs(b->emitted[k]);
+  if (b->on_backs[k] > 0)
+    error += b->backs_error[k] + sent_error;
+  if (!(fabs(b->rest[k] - b->on_backs[k]) > error + rounding))
+    return RAD_OK;
+  return rad_fail(e, RAD_ENUMERIC,
+                  "band %s: of %.6g W emitted in this enclosed scene %.6g W are absorbed%s, which "
+                  "the stated error of %.2g W does not explain: an error of polyrad; please report "
+                  "the deck",
+                  band, b->emitted[k], b->absorbed[k] + b->on_backs[k],
+                  b->on_backs[k] > 0 ? " by faces and backs" : "", error);
+}
+
 enum rad_code rad_balance_make(const struct rad_scene *scene, const struct rad_means *m,
                                struct rad_balance *b, struct rad_error *e) {
+  enum rad_code code = RAD_OK;
   *b = (struct rad_balance){.n_band = m->n_band, .is_enclosed = m->is_enclosed};
-  for (int k = 0; k < m->n_band; k++) {
-    double left = 0;
+  for (int k = 0; k < m->n_band && !code; k++) {
+    double left = 0, sent_error = 0;
     for (int t = 0; t < m->n; t++) {
       int i = t * m->n_band + k;
       double area = scene->triangle[t].area, rho = scene->rho[i];
@@ -21,22 +38,17 @@ enum rad_code rad_balance_make(const struct rad_scene *scene, const struct rad_m
       b->emitted[k] += area * (m->radiosity[i] - rho * m->irradiance[i]);
       b->given[k] += area * fabs(m->radiosity[i] - rho * m->irradiance[i]);
       b->error[k] += rho < 1 ? area * (1 - rho) * m->error_irradiance[i] : 0;
+      sent_error += area * m->error_radiosity[i];
       left += area * m->radiosity[i];
     }
     b->rest[k] = b->emitted[k] - b->absorbed[k];
     b->imbalance[k] = left - m->sent[k];
     b->on_backs[k] = m->on_backs[k];
     b->backs_error[k] = m->backs_error[k];
-    double rounding = 1e-12 * fabs(b->emitted[k]);
-    if (b->is_enclosed && fabs(b->rest[k]) > b->error[k] + rounding)
-      return rad_fail(
-          e, RAD_ENUMERIC,
-          "band %s: of %.6g W emitted in this enclosed scene %.6g W are absorbed, which "
-          "the stated error of %.2g W does not explain: an error of polyrad; please "
-          "report the deck",
-          scene->band[k], b->emitted[k], b->absorbed[k], b->error[k]);
+    if (b->is_enclosed)
+      code = check_enclosed(b, scene->band[k], k, sent_error, e);
   }
-  return RAD_OK;
+  return code;
 }
 
 /* ---- backs ------------------------------------------------------------------------------------

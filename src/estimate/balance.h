@@ -7,7 +7,7 @@
 /* Per band [W]. */
 struct rad_balance {
   int n_band;
-  int is_enclosed;               /* by topology: then nothing escapes and no back is lit */
+  int is_enclosed;               /* by topology: then nothing escapes */
   double emitted[RAD_MAX_BAND];  /* int E dS */
   double given[RAD_MAX_BAND];    /* int |E| dS: what the imbalance is compared with */
   double absorbed[RAD_MAX_BAND]; /* int (1 - rho) h dS */
@@ -21,7 +21,7 @@ struct rad_balance {
 /**
  * The balance of means over triangles (theory 17.3).
  *
- * @return RAD_ENUMERIC for an enclosed scene whose rest is not 0 within its error
+ * @return RAD_ENUMERIC for an enclosed scene whose rest is not on backs, to their errors
  */
 enum rad_code rad_balance_make(const struct rad_scene *scene, const struct rad_means *m,
                                struct rad_balance *b, struct rad_error *e);

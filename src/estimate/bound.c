@@ -44,24 +44,37 @@ double rad_reflects(const struct rad_adaptive *a, int triangle) {
   return most;
 }
 
+/* g of u, also at the collocation points; and of h = K u_h, which lacks K d and K (u - u*). */
+static void set_sources(struct rad_adaptive *a, double *at_points) {
+  const struct rad_indicator *x = &a->indicator;
+  int nb = a->layout.scene->n_band;
+  double safety = rad_safety(a->layout.scene), rest = rest_of(a);
+  for (int i = 0; i < a->mesh->n_element; i++) {
+    const struct rad_element *el = &a->mesh->element[i];
+    int t = rad_element_triangle(a->mesh, i);
+    double found = x->local_limit[i] + x->unseen[t];
+    a->source[i] = safety * found + rest;
+    for (int f = 0; f < el->n_function; f++)
+      at_points[el->first + f] = safety * found + rad_reflects(a, t) * rest;
+    for (int b = 0; b < nb; b++)
+      a->light_source[i * nb + b] =
+          safety * (x->received_limit[i * nb + b] + x->unseen_received[t * nb + b]) + rest;
+  }
+}
+
 enum rad_code rad_set_element_bound(struct rad_adaptive *a, struct rad_error *e) {
   size_t n = (size_t)a->mesh->n_point, nb = (size_t)a->layout.scene->n_band;
   struct rad_operator k = rad_adaptive_operator(a);
   double *right = rad_alloc(n, sizeof(double));
   a->source = rad_alloc((size_t)a->mesh->n_element, sizeof(double));
+  a->light_source = rad_alloc((size_t)a->mesh->n_element * nb, sizeof(double));
   a->z = rad_alloc(n * nb, sizeof(double));
   a->element_bound = rad_calloc((size_t)a->mesh->n_element, sizeof(double));
   enum rad_code code = RAD_OK;
-  if (!right || !a->source || !a->z || !a->element_bound)
+  if (!right || !a->source || !a->light_source || !a->z || !a->element_bound)
     code = rad_fail_memory(e, "the error bound", 8.0 * (double)(n + n * nb));
-  for (int i = 0; i < a->mesh->n_element && !code; i++) {
-    const struct rad_element *el = &a->mesh->element[i];
-    int t = rad_element_triangle(a->mesh, i);
-    double found = a->indicator.local_limit[i] + a->indicator.unseen[t];
-    a->source[i] = rad_safety(a->layout.scene) * found + rest_of(a);
-    for (int f = 0; f < el->n_function; f++)
-      right[el->first + f] = rad_safety(a->layout.scene) * found + rad_reflects(a, t) * rest_of(a);
-  }
+  else
+    set_sources(a, right);
   for (size_t b = 0; b < nb && !code; b++) {
     double *z = a->z + b * n;
     struct rad_linear system = {

@@ -14,7 +14,7 @@ void rad_set_bound(struct rad_adaptive *a);
 /* The largest rho of a triangle; 0 where u = E is known: so much of an error of K u comes back. */
 double rad_reflects(const struct rad_adaptive *a, int triangle);
 
-/* source, z and element_bound: z = (I - rho K)^{-1} g. */
+/* source, light_source, z and element_bound: z = (I - rho K)^{-1} g. */
 enum rad_code rad_set_element_bound(struct rad_adaptive *a, struct rad_error *e);
 
 #endif

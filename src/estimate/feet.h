@@ -67,10 +67,9 @@ int rad_feet_walk(const struct rad_mesh *mesh, int feature, double from, double 
  * @param[out] received  [n_triangle, n_band] most that all gaps together do to K d on a triangle
  */
 enum rad_code rad_feet_gaps(const struct rad_mesh *mesh, const struct rad_mesh *fine,
-                            const struct rad_rules *rules, const unsigned char *sees,
-                            const double *u, const double *star, const double *d,
-                            const double *scale, const double *weight, struct rad_feet *feet,
-                            double *received, struct rad_error *e);
+                            const struct rad_rules *rules, const double *u, const double *star,
+                            const double *d, const double *scale, const double *weight,
+                            struct rad_feet *feet, double *received, struct rad_error *e);
 
 /* Whether an element resolves a width at (phi, r), by direction; across as in rad_feature. */
 void rad_unresolved(const struct rad_mesh *mesh, int element, double phi, double r, double width,

@@ -8,11 +8,12 @@
 #include "estimate/iterate.h"
 #include "integrate/strips.h"
 #include "system/cluster.h"
+#include "visibility/visibility.h"
 
 /* Irradiance at the feet, [n_foot, n_band], then u*. */
 static enum rad_code star_at(const struct rad_mesh *mesh, const struct rad_rules *rules,
-                             const unsigned char *sees, const double *u,
-                             const struct rad_feet *feet, double *value, struct rad_error *e) {
+                             const double *u, const struct rad_feet *feet, double *value,
+                             struct rad_error *e) {
   size_t n = (size_t)feet->n_foot;
   int *triangle = rad_alloc(2 * n, sizeof(int)), *base = triangle + n;
   double(*mu)[2] = rad_alloc(n, sizeof *mu);
@@ -26,7 +27,7 @@ static enum rad_code star_at(const struct rad_mesh *mesh, const struct rad_rules
   }
   struct rad_point_list list = {(int)n, triangle, base, (const double(*)[2])mu};
   if (!code)
-    code = rad_irradiance_at(mesh, rules, sees, &list, mesh->scene->n_band, u, value, e);
+    code = rad_irradiance_at(mesh, rules, &list, mesh->scene->n_band, u, value, e);
   if (!code)
     rad_iterated(mesh->scene, &list, value, value);
   free(triangle);
@@ -101,15 +102,14 @@ struct total {
 };
 
 /* The gaps of one element; factor [n_band]: most of weight times form factor. */
-static void spread(const struct rad_mesh *mesh, const unsigned char *sees, const double *weight,
-                   const double *gap, const struct rad_foot *f, struct total *total,
-                   double *factor) {
+static void spread(const struct rad_mesh *mesh, const double *weight, const double *gap,
+                   const struct rad_foot *f, struct total *total, double *factor) {
   size_t n = (size_t)mesh->scene->n_triangle, nb = (size_t)mesh->scene->n_band;
   size_t face = (size_t)rad_element_triangle(mesh, f->element);
   double area = rad_element_area(mesh, f->element), diameter = diameter_of(mesh, f->element);
   memset(factor, 0, sizeof *factor * nb);
   for (size_t t = 0; t < n; t++) {
-    if (!sees[face * n + t])
+    if (!mesh->scene->visibility->sight[face * n + t])
       continue;
     double view = most_view(mesh, f, area, diameter, (int)t);
     for (size_t b = 0; b < nb; b++) {
@@ -121,9 +121,8 @@ static void spread(const struct rad_mesh *mesh, const unsigned char *sees, const
 }
 
 /* Element by element: the largest gap of its feet, at the first of them. */
-static void spread_all(const struct rad_mesh *mesh, const unsigned char *sees, const double *weight,
-                       const double *value, struct rad_feet *feet, int *first, double *most,
-                       struct total *total) {
+static void spread_all(const struct rad_mesh *mesh, const double *weight, const double *value,
+                       struct rad_feet *feet, int *first, double *most, struct total *total) {
   size_t nb = (size_t)mesh->scene->n_band;
   double factor[RAD_MAX_BAND];
   for (int i = 0; i < mesh->n_element; i++)
@@ -138,7 +137,7 @@ static void spread_all(const struct rad_mesh *mesh, const unsigned char *sees, c
   for (int i = 0; i < mesh->n_element; i++) {
     if (first[i] < 0)
       continue;
-    spread(mesh, sees, weight, &most[(size_t)i * nb], &feet->foot[first[i]], total, factor);
+    spread(mesh, weight, &most[(size_t)i * nb], &feet->foot[first[i]], total, factor);
     for (int k = first[i]; k < feet->n_foot; k++)
       for (size_t b = 0; b < nb && feet->foot[k].element == i; b++)
         feet->foot[k].effect = fmax(feet->foot[k].effect, factor[b] * value[(size_t)k * nb + b]);
@@ -146,10 +145,9 @@ static void spread_all(const struct rad_mesh *mesh, const unsigned char *sees, c
 }
 
 enum rad_code rad_feet_gaps(const struct rad_mesh *mesh, const struct rad_mesh *fine,
-                            const struct rad_rules *rules, const unsigned char *sees,
-                            const double *u, const double *star, const double *d,
-                            const double *scale, const double *weight, struct rad_feet *feet,
-                            double *received, struct rad_error *e) {
+                            const struct rad_rules *rules, const double *u, const double *star,
+                            const double *d, const double *scale, const double *weight,
+                            struct rad_feet *feet, double *received, struct rad_error *e) {
   size_t nb = (size_t)mesh->scene->n_band, n = (size_t)mesh->scene->n_triangle;
   size_t n_element = (size_t)mesh->n_element;
   memset(received, 0, sizeof *received * n * nb);
@@ -163,10 +161,10 @@ enum rad_code rad_feet_gaps(const struct rad_mesh *mesh, const struct rad_mesh *
   if (!value || !most || !first || !total)
     code = rad_fail_memory(e, "the error estimate", 16.0 * (double)(n_element * nb));
   if (!code)
-    code = star_at(mesh, rules, sees, u, feet, value, e);
+    code = star_at(mesh, rules, u, feet, value, e);
   if (!code) {
     set_gaps(fine, star, d, scale, feet, value);
-    spread_all(mesh, sees, weight, value, feet, first, most, total);
+    spread_all(mesh, weight, value, feet, first, most, total);
     for (size_t i = 0; i < n * nb; i++)
       received[i] = fmin(total[i].sum, total[i].most);
   }

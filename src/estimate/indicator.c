@@ -197,11 +197,11 @@ static enum rad_code begin_checks(struct work *w, double tolerance, struct rad_e
   return code ? code : rad_once_gather(&w->once, 2 * w->n_band, in, e);
 }
 
-/* The largest |K d| of each band at a check point of an element. */
-static void keep_received(const struct work *w, int element, int point) {
+/* The largest |K d| of each band at a check point of an element, to [n_element, n_band]. */
+static void keep_received(const struct work *w, int element, int point, double *to) {
   for (int b = 0; b < w->n_band; b++) {
     double one = fabs(w->checks.total[(size_t)b * (size_t)w->checks.n + (size_t)point]);
-    double *most = &w->x->received[(size_t)element * (size_t)w->n_band + (size_t)b];
+    double *most = &to[(size_t)element * (size_t)w->n_band + (size_t)b];
     *most = fmax(*most, one);
   }
 }
@@ -240,9 +240,10 @@ static enum rad_code gather(struct work *w, struct rad_error *e) {
         return rad_fail_integral(w->mesh->scene, triangle, e);
       x->limit = fmax(x->limit, one);
       x->local_limit[i] = fmax(x->local_limit[i], one);
+      keep_received(w, i, q, x->received_limit);
       if (c->limit[q])
         continue;
-      keep_received(w, i, q);
+      keep_received(w, i, q, x->received);
       x->local[i] = fmax(x->local[i], one);
       x->worst = fmax(x->worst, one);
       x->wanted = fmax(x->wanted, worst_band(w, w->wanted, triangle, q, &at));
@@ -271,8 +272,8 @@ static enum rad_code look_below(struct work *w, const struct rad_rules *rules, c
   struct rad_indicator *x = w->x;
   enum rad_code code = rad_feet_find(w->mesh, w->sees, w->passive, &x->feet, e);
   if (!code)
-    code = rad_feet_gaps(w->mesh, &w->x->fine, rules, w->sees, u, w->x->star, w->d, x->scale,
-                         w->wanted, &x->feet, x->unseen_received, e);
+    code = rad_feet_gaps(w->mesh, &w->x->fine, rules, u, w->x->star, w->d, x->scale, w->wanted,
+                         &x->feet, x->unseen_received, e);
   for (int i = 0; i < w->mesh->scene->n_triangle * w->n_band; i++) {
     double *unseen = &x->unseen[i / w->n_band];
     *unseen = fmax(*unseen, w->weight[i] * x->unseen_received[i]);
@@ -292,6 +293,7 @@ static enum rad_code allocate(struct rad_indicator *x, int n_element, int n_tria
   failed |= !(x->unseen = rad_calloc((size_t)n_triangle, sizeof(double)));
   failed |= !(x->unseen_received = rad_calloc((size_t)n_triangle * (size_t)n_band, sizeof(double)));
   failed |= !(x->received = rad_calloc((size_t)n_element * (size_t)n_band, sizeof(double)));
+  failed |= !(x->received_limit = rad_calloc((size_t)n_element * (size_t)n_band, sizeof(double)));
   for (int i = 0; i < 7; i++)
     failed |= !(*list[i] = rad_calloc((size_t)n_element, sizeof(double)));
   return failed ? rad_fail_memory(e, "the error estimate", 56.0 * n_element) : RAD_OK;
@@ -309,6 +311,7 @@ void rad_indicator_free(struct rad_indicator *x) {
   rad_mesh_free(&x->fine);
   free(x->star);
   free(x->received);
+  free(x->received_limit);
   free(x->unseen_received);
   free(x->unseen);
   free(x->scale);

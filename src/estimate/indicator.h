@@ -28,6 +28,7 @@ struct rad_indicator {
       *tail_r;      /* owned [n_element] size of u*'s modes beyond the element's, over scale */
   double *received; /* owned [n_element, n_band] max of |K d| / scale at the element's check points,
                        black faces included: what h of u_h may lack */
+  double *received_limit;  /* owned [n_element, n_band] the same with the limits at edges */
   double *unseen_received; /* owned [n_triangle, n_band] the same between the samples (6.10) */
   struct rad_mesh fine;    /* owned: the finer mesh */
   double *star;            /* owned [n_band, fine.n_point] u* there [W/m2] */

@@ -8,6 +8,7 @@
 
 #include "base/memory.h"
 #include "base/stop.h"
+#include "visibility/visibility.h"
 
 /* Memory of one thread: the rows of a batch, at most about 16 MB. */
 struct worker {
@@ -119,8 +120,9 @@ static void add_irradiance(void *context, int thread, int first, int m, const do
 }
 
 enum rad_code rad_irradiance_at(const struct rad_mesh *mesh, const struct rad_rules *rules,
-                                const unsigned char *sees, const struct rad_point_list *p,
-                                int n_band, const double *u, double *h, struct rad_error *e) {
+                                const struct rad_point_list *p, int n_band, const double *u,
+                                double *h, struct rad_error *e) {
+  const unsigned char *sees = mesh->scene->visibility->sight;
   struct irradiance c = {mesh, sees, p->triangle, n_band, u, h};
   enum rad_code code = rad_visit_rows(mesh, rules, sees, p, add_irradiance, &c, e);
   for (int i = 0; i < p->n * n_band && !code; i++)

@@ -36,8 +36,8 @@ enum rad_code rad_visit_rows(const struct rad_mesh *mesh, const struct rad_rules
  * @param[out] h     [n, n_band] [W/m2]
  */
 enum rad_code rad_irradiance_at(const struct rad_mesh *mesh, const struct rad_rules *rules,
-                                const unsigned char *sees, const struct rad_point_list *points,
-                                int n_band, const double *u, double *h, struct rad_error *e);
+                                const struct rad_point_list *points, int n_band, const double *u,
+                                double *h, struct rad_error *e);
 
 enum { RAD_ONCE_LEAF = 64 }; /* unknowns of a leaf, for products made once */
 

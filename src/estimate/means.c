@@ -130,12 +130,14 @@ static enum rad_code receive(const struct rad_weights *w, const double *allowed,
                              struct rad_received *r, struct rad_means *m, struct rad_error *e) {
   const struct rad_scene *s = w->mesh->scene;
   struct rad_weights light = *w;
-  enum rad_code code = rad_find_enclosure(s, &m->is_enclosed, e);
+  struct rad_enclosure room;
+  enum rad_code code = rad_find_enclosure(s, &room, e);
+  m->is_enclosed = room.is_closed;
   light.n = s->n_band;
   if (!code)
     code = rad_receive(w, s, 0, allowed, r, e);
   memcpy(m->sent, r->sent, sizeof *m->sent * (size_t)s->n_band);
-  if (code || m->is_enclosed || !r->n_sender)
+  if (code || room.hides_backs || !r->n_sender)
     return code;
   return rad_receive_on_backs(&light, allowed, m->on_backs, m->backs_error, e);
 }

@@ -50,10 +50,11 @@ enum {
 struct receiver {
   struct rad_receiver at;
   struct rad_singular singular;
-  int is_cut;           /* its plane cuts the element's triangle: F has a kink there */
-  double portion;       /* of the tolerance */
-  double share;         /* of it, for errors that add up, times the area */
-  int64_t most_factors; /* from there on cells are not halved */
+  double centre[3], radius; /* of a sphere round it */
+  int is_cut;               /* its plane cuts the element's triangle: F has a kink there */
+  double portion;           /* of the tolerance */
+  double share;             /* of it, for errors that add up, times the area */
+  int64_t most_factors;     /* from there on cells are not halved */
   struct rad_transfer_sums sums;
 };
 
@@ -63,18 +64,23 @@ static double apart(const double a[3], const double b[3]) {
   return rad_norm(way);
 }
 
-/* F(y -> T) <= A_T / (pi d^2), and <= 1. */
-static double largest_factor(const struct rad_triangle *t, const struct rad_cell_shape *c) {
-  double centre[3], way[3], radius = 0;
+static void set_sphere(const struct rad_triangle *t, struct receiver *to) {
+  double way[3];
   for (int d = 0; d < 3; d++)
-    centre[d] = (t->v[0][d] + t->v[1][d] + t->v[2][d]) / 3;
+    to->centre[d] = (t->v[0][d] + t->v[1][d] + t->v[2][d]) / 3;
   for (int k = 0; k < 3; k++) {
-    rad_sub(t->v[k], centre, way);
-    radius = fmax(radius, rad_norm(way));
+    rad_sub(t->v[k], to->centre, way);
+    to->radius = fmax(to->radius, rad_norm(way));
   }
-  rad_sub(c->centre, centre, way);
-  double gap = rad_norm(way) - radius - c->radius;
-  return gap > 0 ? fmin(1, t->area / (M_PI * gap * gap)) : 1;
+}
+
+/* F(y -> T) <= A_T / (pi d^2), and <= 1. */
+static double largest_factor(const struct receiver *to, double area,
+                             const struct rad_cell_shape *c) {
+  double way[3];
+  rad_sub(c->centre, to->centre, way);
+  double gap = rad_norm(way) - to->radius - c->radius;
+  return gap > 0 ? fmin(1, area / (M_PI * gap * gap)) : 1;
 }
 
 /* ---- one cell and one receiver ------------------------------------------------------------------
@@ -308,7 +314,8 @@ static int by_rules(const struct rad_transfer *r, struct rad_lights *l, const st
   const struct rad_light *fine = light_of(r, l, 2);
   double most[RAD_MAX_WEIGHT], low[RAD_MAX_WEIGHT], high[RAD_MAX_WEIGHT];
   const struct rad_triangle *t = &r->to->triangle[to->at.triangle];
-  double reach = fmin(fine->area * largest_factor(t, &l->shape), t->area); /* by reciprocity */
+  double reach =
+      fmin(fine->area * largest_factor(to, t->area, &l->shape), t->area); /* by reciprocity */
   for (int k = 0; k < r->w->n; k++)
     most[k] = fine->most[k] * reach;
   if (is_last || is_within(r, most, share)) {
@@ -404,6 +411,7 @@ void rad_transfer_to(const struct rad_transfer *r, int triangle, double portion,
                         .share = (1 - BY_CHANCE) * t->area * portion,
                         .most_factors = w->factors + MOST_IN_PARTS,
                         .sums = *sums};
+  set_sphere(t, &to);
   if (!r->as_it_comes)
     rad_singular_set(s, t, &to.singular);
   to.at.rounding = rounding(r, light_of(r, &w->whole, 2), to.share);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "base/stop.h"
 #include "factors/critical.h"
 #include "factors/exchange.h"
 #include "factors/pair.h"
@@ -513,7 +514,7 @@ enum rad_code rad_cell_integrate(const struct rad_pair_engine *g, struct rad_cel
     return RAD_OK;
   if (seen > 0)
     begin(s, task);
-  while (seen > 0 && !s->failed) {
+  while (seen > 0 && !s->failed && !rad_stop_asked()) {
     keep_best(s, task, &best);
     if (is_met(s, task) || !s->n_heap || s->points >= limit)
       break;
@@ -521,6 +522,8 @@ enum rad_code rad_cell_integrate(const struct rad_pair_engine *g, struct rad_cel
   }
   if (seen < 0 || s->failed)
     return rad_fail_memory(e, "the integrals between triangles", 1e6);
+  if (rad_stop_asked())
+    return rad_fail_stopped(e);
   memcpy(value, best.value, sizeof(double) * (size_t)task->n_weight);
   memcpy(error, best.error, sizeof(double) * (size_t)task->n_weight);
   return RAD_OK;

@@ -42,7 +42,8 @@ void rad_cell_scratch_free(struct rad_cell_scratch *s); /* NULL is fine */
  *
  * @param[out] value, error  [n_weight]; |value - exact| <= error
  * @return RAD_OK also if a tolerance was not met (error > tolerance: the limit was); RAD_ESYSTEM
- * without memory. Thread-safe: one scratch for a thread. The same input gives the same bits.
+ * without memory; RAD_ESTOPPED once rad_stop_asked(). Thread-safe: one scratch for a thread. The
+ * same input gives the same bits.
  */
 enum rad_code rad_cell_integrate(const struct rad_pair_engine *g, struct rad_cell_scratch *s,
                                  const struct rad_cell_task *task, double *value, double *error,

@@ -5,6 +5,7 @@
 
 #include "base/memory.h"
 #include "base/scramble.h"
+#include "base/stop.h"
 #include "factors/cells.h"
 #include "factors/exchange.h"
 #include "factors/pair.h"
@@ -78,14 +79,13 @@ struct worker {
 };
 
 /* Values of wholly visible pairs of row i, estimates of the others. */
-static int wholly_visible(struct rad_pairs *p, struct worker *w, int i, double goal) {
-  for (int64_t k = p->first[i]; k < p->first[i + 1]; k++) {
+static void wholly_visible(struct rad_pairs *p, struct worker *w, int i, double goal) {
+  for (int64_t k = p->first[i]; k < p->first[i + 1] && !rad_stop_asked(); k++) {
     int partly = sight_of(p, i, k) == RAD_PARTLY;
     int seen = rad_pair_set_unobstructed(p->g, i, p->other[k], &w->pair);
     if (seen > 0)
       p->value[k] = unobstructed(&w->pair, partly ? ROUGH : goal, &p->error[k]);
   }
-  return 0;
 }
 
 static void add_shares(const struct rad_pairs *p, struct shares *s) {
@@ -202,7 +202,7 @@ static enum rad_code all_rows(struct rad_pairs *p, const struct shares *shares,
     rad_pair_free(&w.pair);
     rad_cell_scratch_free(w.scratch);
   }
-  return code;
+  return !code && rad_stop_asked() ? rad_fail_stopped(e) : code;
 }
 
 enum rad_code rad_pairs_integrate(const struct rad_pair_engine *g, double tolerance, int64_t limit,

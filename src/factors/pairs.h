@@ -23,6 +23,7 @@ struct rad_pairs {
  * @param[in]  tolerance  of each row of surfaces, and so of each entry, over the surface's area
  * @param[in]  limit      most points of a partly visible pair
  * @param[out] p          to be freed with rad_pairs_free, also after an error
+ * @return RAD_ESTOPPED once rad_stop_asked()
  */
 enum rad_code rad_pairs_integrate(const struct rad_pair_engine *g, double tolerance, int64_t limit,
                                   struct rad_pairs *p, struct rad_error *e);

@@ -220,8 +220,8 @@ static void say_all(FILE *out, const char *path, hid_t file, hid_t root) {
   static const char *const surface[] = {
       "area",          "mean_radiosity", "mean_irradiance", "error_radiosity", "error_irradiance",
       "mean_net_flux", "net_power",      "error_net_power", "temperature"};
-  static const char *const probe[] = {"position", "radiosity", "irradiance", "net_flux",
-                                      "temperature"};
+  static const char *const probe[] = {"position",         "radiosity", "irradiance",
+                                      "error_irradiance", "net_flux",  "temperature"};
   char *kind = rad_hdf_get_text(root, "kind");
   fprintf(out, "%s: polyrad %s\n", path,
           kind                         ? kind
@@ -232,7 +232,7 @@ static void say_all(FILE *out, const char *path, hid_t file, hid_t root) {
   say_origin(out, root);
   say_text(out, root, "overrides", "set");
   say_list(out, root, "surfaces", 9, surface);
-  say_list(out, root, "probes", 5, probe);
+  say_list(out, root, "probes", 6, probe);
   say_view_factors(out, root);
   say_diagnostics(out, root);
   say_task(out, root);

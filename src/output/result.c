@@ -27,6 +27,7 @@ void rad_result_free(struct rad_result *result) {
   free(result->probe_normal);
   free(result->probe_radiosity);
   free(result->probe_irradiance);
+  free(result->probe_error_irradiance);
   free(result->probe_flux);
   free(result->probe_temperature);
   rad_view_factors_free(&result->view_factors);
@@ -240,6 +241,13 @@ static void write_probes(struct rad_hdf *h, hid_t root, const struct rad_result 
        2,
        {n, n_band},
        r->probe_irradiance},
+      {"error_irradiance",
+       "W/m2",
+       "at most so far from the irradiance of u; NaN: not known",
+       RAD_HDF_REAL,
+       2,
+       {n, n_band},
+       r->probe_error_irradiance},
       {"net_flux",
        "W/m2",
        "net heat flux u* - h at the probe",

@@ -148,11 +148,26 @@ enum rad_code rad_save(const char *path, const void *bytes, size_t size, struct 
   return rad_save_by(path, fill_block, &b, e);
 }
 
-/* Things that cannot be replaced: devices, pipes, and the links of the system to open files. */
-static int is_device(const char *path, const struct stat *is) {
+/* The system's links to open files. */
+static int is_link_of_system(const char *path) {
   struct stat link;
   const int of_system = !strncmp(path, "/dev/", 5) || !strncmp(path, "/proc/", 6);
-  return !S_ISREG(is->st_mode) || (of_system && !lstat(path, &link) && S_ISLNK(link.st_mode));
+  return of_system && !lstat(path, &link) && S_ISLNK(link.st_mode);
+}
+
+/* Things that cannot be replaced. */
+static int is_device(const char *path, const struct stat *is) {
+  return !S_ISREG(is->st_mode) || is_link_of_system(path);
+}
+
+const char *rad_save_obstacle(const char *path) {
+  struct stat is;
+  if (stat(path, &is) != 0 || is_link_of_system(path))
+    return NULL;
+  return S_ISFIFO(is.st_mode)   ? "a named pipe"
+         : S_ISSOCK(is.st_mode) ? "a socket"
+         : S_ISBLK(is.st_mode)  ? "a disk"
+                                : NULL;
 }
 
 /* Write to whatever there is at path. */

@@ -11,8 +11,8 @@
  * Write bytes to path.
  *
  * They go to PATH.<pid>.tmp in the same folder, are synced, then renamed. After an error the .tmp
- * is removed and a file that had the name before is as it was. A device or pipe (/dev/null, a FIFO)
- * is written straight away, because renaming would replace it. An existing file without write
+ * is removed and a file that had the name before is as it was. A device (/dev/null) is written
+ * straight away, because renaming would replace it. An existing file without write
  * permission is refused. A symbolic link is replaced, its target is not touched; but for those in
  * /dev and /proc (/dev/stdout), which are written through.
  *
@@ -38,6 +38,10 @@ int rad_copy_part(int from, int to, off_t at, off_t end);
 
 /* The name under which a file is written before it gets its own; owned, NULL without memory. */
 char *rad_save_temporary(const char *path);
+
+/* What there is at path if no file can be saved there, "a named pipe"; or NULL. Pipes that /dev and
+ * /proc link to (/dev/stdout) have a reader. */
+const char *rad_save_obstacle(const char *path);
 
 /* The error that rad_save would give if it were called now, as far as an empty file can tell:
  * before hours of work are to be saved. */

@@ -118,26 +118,33 @@ static void measure(const struct rad_scene *scene, struct rad_shells *s, struct 
     s->closed[k] = (unsigned char)is_closed(&sums[k], s->volume[k]);
 }
 
+static enum rad_code fail_memory(const struct rad_scene *scene, struct rad_error *e) {
+  return rad_fail_memory(e, "the search for closed shells", 200.0 * scene->n_triangle);
+}
+
+enum rad_code rad_shells_measure(const struct rad_scene *scene, struct rad_shells *s,
+                                 struct rad_error *e) {
+  struct sums *sums = rad_alloc((size_t)s->n, sizeof *sums);
+  s->closed = rad_calloc((size_t)s->n, sizeof *s->closed);
+  s->volume = rad_calloc((size_t)s->n, sizeof *s->volume);
+  int made = s->closed && s->volume && sums;
+  if (made)
+    measure(scene, s, sums);
+  free(sums);
+  return made ? RAD_OK : fail_memory(scene, e);
+}
+
 enum rad_code rad_shells_find(const struct rad_scene *scene, struct rad_shells *s,
                               struct rad_error *e) {
   *s = (struct rad_shells){.shell = rad_alloc((size_t)scene->n_triangle, sizeof *s->shell)};
   int *parent = rad_alloc((size_t)scene->n_vertex, sizeof *parent);
   int *number = rad_alloc((size_t)scene->n_vertex, sizeof *number);
-  struct sums *sums = NULL;
-  if (s->shell && parent && number) {
-    s->n = join(scene, parent, number, s->shell);
-    s->closed = rad_calloc((size_t)s->n, sizeof *s->closed);
-    s->volume = rad_calloc((size_t)s->n, sizeof *s->volume);
-    sums = rad_alloc((size_t)s->n, sizeof *sums);
-  }
-  int made = s->closed && s->volume && sums;
+  int made = s->shell && parent && number;
   if (made)
-    measure(scene, s, sums);
+    s->n = join(scene, parent, number, s->shell);
   free(parent);
   free(number);
-  free(sums);
-  return made ? RAD_OK
-              : rad_fail_memory(e, "the search for closed shells", 200.0 * scene->n_triangle);
+  return made ? rad_shells_measure(scene, s, e) : fail_memory(scene, e);
 }
 
 void rad_shells_free(struct rad_shells *s) {

@@ -23,6 +23,15 @@ struct rad_shells {
  */
 enum rad_code rad_shells_find(const struct rad_scene *scene, struct rad_shells *s,
                               struct rad_error *e);
+
+/**
+ * The same of other parts than those: s->n and s->shell are given.
+ *
+ * @param[out] s  closed and volume; to be freed with rad_shells_free, also after an error
+ */
+enum rad_code rad_shells_measure(const struct rad_scene *scene, struct rad_shells *s,
+                                 struct rad_error *e);
+
 void rad_shells_free(struct rad_shells *s); /* safe twice */
 
 #endif

@@ -34,8 +34,7 @@ static int star(const struct rad_scene *s, const struct rad_adaptive *a, double 
   }
   struct rad_point_list list = {n, triangle, base, (const double(*)[2])mu};
   struct rad_error e;
-  ck_assert_int_eq(
-      rad_irradiance_at(a->mesh, &a->rules, s->visibility->sight, &list, 1, a->u, u, &e), RAD_OK);
+  ck_assert_int_eq(rad_irradiance_at(a->mesh, &a->rules, &list, 1, a->u, u, &e), RAD_OK);
   for (int i = 0; i < n; i++)
     u[i] = rad_emission(s, triangle[i], 0, base[i], mu[i]) + s->rho[triangle[i]] * u[i];
   free(triangle);
@@ -134,8 +133,7 @@ START_TEST(vertex_limit) {
     mu[i][1] = r * sin(angle);
   }
   struct rad_point_list list = {9, triangle, base, (const double(*)[2])mu};
-  ck_assert_int_eq(rad_irradiance_at(a.mesh, &a.rules, c.visibility.sight, &list, 1, a.u, h, &e),
-                   RAD_OK);
+  ck_assert_int_eq(rad_irradiance_at(a.mesh, &a.rules, &list, 1, a.u, h, &e), RAD_OK);
   for (int i = 0; i < 9; i++)
     ck_assert_msg(fabs(1 + 0.5 * h[i] - 1.6) <= 2e-6 * 1.6, "ray %d: u = %.9f", i, 1 + 0.5 * h[i]);
   rad_adaptive_free(&a);
@@ -176,8 +174,7 @@ START_TEST(edge_limit) {
       int next_on_edge = tri->v[(base + 1) % 3][0] == 0 && tri->v[(base + 1) % 3][2] == 0;
       double mu[1][2] = {{next_on_edge ? t : 1e-18, next_on_edge ? 1e-18 : t}};
       struct rad_point_list list = {1, &low, &base, (const double(*)[2])mu};
-      ck_assert_int_eq(
-          rad_irradiance_at(a.mesh, &a.rules, c.visibility.sight, &list, 1, a.u, &h, &e), RAD_OK);
+      ck_assert_int_eq(rad_irradiance_at(a.mesh, &a.rules, &list, 1, a.u, &h, &e), RAD_OK);
       u[side][i] = rad_emission(&c.scene, low, 0, base, mu[0]) + 0.9 * h;
     }
   double slack = 2 * a.bound_limit * a.indicator.scale[0], half = 0.5 * (1 + cos(M_PI / 4));
@@ -208,8 +205,7 @@ static double *star_at_random(const struct rad_scene *s, const struct rad_adapti
   }
   struct rad_point_list list = {n, triangle, base, (const double(*)[2])mu};
   struct rad_error e;
-  ck_assert_int_eq(
-      rad_irradiance_at(a->mesh, &a->rules, s->visibility->sight, &list, 1, a->u, u, &e), RAD_OK);
+  ck_assert_int_eq(rad_irradiance_at(a->mesh, &a->rules, &list, 1, a->u, u, &e), RAD_OK);
   rad_iterated(s, &list, u, u);
   free(triangle);
   free(base);

@@ -121,9 +121,7 @@ static void star(const struct rad_case *c, const struct rad_adaptive *a, double 
     memcpy(mu[k], best.mu, sizeof mu[k]);
   }
   struct rad_point_list list = {POINTS, triangle, base, (const double(*)[2])mu};
-  ck_assert_int_eq(
-      rad_irradiance_at(a->mesh, &a->rules, c->scene.visibility->sight, &list, 1, a->u, u, &e),
-      RAD_OK);
+  ck_assert_int_eq(rad_irradiance_at(a->mesh, &a->rules, &list, 1, a->u, u, &e), RAD_OK);
   rad_iterated(&c->scene, &list, u, u);
 }
 

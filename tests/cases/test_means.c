@@ -311,12 +311,13 @@ START_TEST(backs) {
 }
 END_TEST
 
-/* Enclosed: a room, also with a body in it; not so a room without one face, nor a body from
- * outside. */
+/* Enclosed: a room, also with a body in it, or with a square sheet of one side or two; not so a
+ * room without one face, nor a body from outside. */
 START_TEST(enclosures) {
   static const struct {
-    int skip, body, enclosed;
-  } room[] = {{-1, 0, 1}, {-1, 1, 1}, {5, 0, 0}, {0, 1, 0}};
+    int skip, body, sides, enclosed;
+  } room[] = {{-1, 0, 0, 1}, {-1, 1, 0, 1}, {5, 0, 0, 0}, {0, 1, 0, 0},
+              {-1, 0, 1, 1}, {-1, 0, 2, 1}, {5, 0, 2, 0}};
   struct deck_text *d = malloc(sizeof *d);
   struct rad_case c;
   struct rad_error e;
@@ -335,14 +336,18 @@ START_TEST(enclosures) {
   ck_assert_int_eq(line, 12);
   if (room[_i].body)
     add_box(d, 0.3, (const double[3]){0.3, 0.2, 0.1}, 1);
+  for (int side = 0; side < room[_i].sides; side++)
+    square(d, side ? "under" : "over", 0.2, 0.6, 0.5, !side, 0.2);
   solve(d, &c);
   ck_assert_int_eq(c.means.is_enclosed, room[_i].enclosed);
   struct rad_balance b;
   ck_assert_int_eq(rad_balance_make(&c.scene, &c.means, &b, &e), RAD_OK);
   if (room[_i].enclosed)
-    ck_assert_double_le(fabs(b.rest[0]), b.error[0] + 1e-12);
+    ck_assert_double_le(fabs(b.rest[0] - b.on_backs[0]), b.error[0] + b.backs_error[0] + 1e-12);
+  if (room[_i].enclosed)
+    ck_assert_int_eq(b.on_backs[0] > 0.01, room[_i].sides == 1);
   /* the check itself: a mean that is wrong by more than its error */
-  c.means.irradiance[2] += 2 * (b.error[0] + 1e-9) / c.scene.triangle[2].area;
+  c.means.irradiance[2] += 2 * (b.error[0] + b.backs_error[0] + 1e-9) / c.scene.triangle[2].area;
   ck_assert_int_eq(rad_balance_make(&c.scene, &c.means, &b, &e),
                    room[_i].enclosed ? RAD_ENUMERIC : RAD_OK);
   free(whole);
@@ -361,7 +366,7 @@ int main(void) {
   tcase_add_loop_test(c, lattices, 0, N_MESH);
   tcase_add_test(c, smoothness);
   tcase_add_loop_test(c, backs, 0, 2);
-  tcase_add_loop_test(c, enclosures, 0, 4);
+  tcase_add_loop_test(c, enclosures, 0, 7);
   suite_add_tcase(s, c);
   return run_suite(s);
 }

@@ -154,8 +154,7 @@ START_TEST(agrees_with_rows) {
   double *near = malloc(sizeof *near * n), worst = 0, split = 0;
   product(p, &s, y, near);
   struct rad_point_list list = {s.n, s.triangle, s.base, (const double(*)[2])s.mu};
-  ck_assert_int_eq(rad_irradiance_at(s.c.mesh, &s.c.rules, s.c.visibility.sight, &list, N_VECTOR,
-                                     s.u, exact, &e),
+  ck_assert_int_eq(rad_irradiance_at(s.c.mesh, &s.c.rules, &list, N_VECTOR, s.u, exact, &e),
                    RAD_OK);
   for (size_t i = 0; i < n; i++) {
     for (size_t v = 0; v + 1 < N_VECTOR; v++)

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "app/picture.h"
 #include "base/vec.h"
 #include "scene_text.h"
 #include "suite.h"
@@ -121,9 +122,15 @@ static void expect_one(const struct rad_case *c, const struct rad_result *r, dou
       ck_assert_msg(light <= limit / rho, "%s: point %d: irradiance off by %g, %g allowed", what,
                     (int)i, light, limit / rho);
     }
-  for (int i = 0; i < c->deck.n_probe; i++)
+  for (int i = 0; i < c->deck.n_probe; i++) {
+    double off = fabs(r->probe_irradiance[i] - 1);
     ck_assert_msg(fabs(r->probe_radiosity[i] - 1) <= limit, "%s: probe %d: %.12g", what, i,
                   r->probe_radiosity[i]);
+    ck_assert_msg(off <= r->probe_error_irradiance[i],
+                  "%s: probe %d: irradiance off by %g, said %g", what, i, off,
+                  r->probe_error_irradiance[i]);
+    ck_assert_double_le(r->probe_error_irradiance[i], limit / rho);
+  }
 }
 
 /* ---- closed rooms ------------------------------------------------------------------------------
@@ -372,6 +379,77 @@ START_TEST(bright_spot) {
 }
 END_TEST
 
+/* What a mesh by hand is planned to take has room for the cells that halving adds. */
+START_TEST(planned_memory) {
+  const double floor[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const double lamp[3][3] = {{.3, .3, .001}, {.3, .302, .001}, {.302, .3, .001}};
+  struct deck_text deck;
+  struct rad_case c;
+  struct rad_result r;
+  deck_begin(&deck);
+  deck_polygon(&deck, "floor", 3, floor, 0.5, 0);
+  deck_polygon(&deck, "lamp", 3, lamp, 0, 1);
+  deck_add(&deck,
+           "accuracy: {tolerance: 1e-3}\noutput: {sampling: 1}\n"
+           "method: {mesh: paper, elements: 1, degree: 0}\n");
+  solve(&deck, &c, &r);
+  const struct rad_picture *p = &r.picture;
+  double of_point = sizeof(struct rad_dot) + (3 + 5) * sizeof(double);
+  double of_cell = sizeof(struct rad_tile) + (4 + 1 + 2) * sizeof(double);
+  double taken = (double)p->n_point * of_point + (double)p->n_cell * of_cell;
+  ck_assert_double_ge((double)p->n_cell, 10 * c.mesh->n_element); /* else nothing is tested */
+  ck_assert_double_ge(c.plan.rest_bytes, taken);
+  release(&c, &r);
+}
+END_TEST
+
+/* ---- probes ------------------------------------------------------------------------------------
+ */
+
+/* By what its mesh cannot show a probe is off by no more than it says; a black face has one too. */
+START_TEST(probes_of_coarse_meshes) {
+  static const double rho[6] = {0.5, 0, 0.9, 0.3, 0.7, 0.5}, emission[6] = {0, 0.2, 0, 3, 0, 0};
+  static const char *const method[] = {"mesh: uniform, elements: 1, degree: 0",
+                                       "mesh: uniform, elements: 3, degree: 0",
+                                       "mesh: graded, grading: 3, elements: 1, degree: 2"};
+  struct deck_text deck;
+  struct rad_case fine, coarse;
+  struct rad_result right, r;
+  deck_begin(&deck);
+  deck_cube(&deck, rho, emission);
+  deck_add(&deck,
+           "probes: [{at: [.3, .4, 0]}, {at: [.5, 0, 0]}, {at: [.02, .01, 0]}, "
+           "{at: [.3, .4, 1]}, {surface: ceiling, at: [.5, 0, 1]}, {at: [0, .5, .5]}]\n");
+  int head = deck.length;
+  deck_add(&deck, "accuracy: {tolerance: 1e-7}\n");
+  solve(&deck, &fine, &right);
+  for (int k = 0; k < 3; k++) {
+    deck.length = head;
+    deck_add(&deck, "accuracy: {tolerance: 1e-3}\nmethod: {%s}\n", method[k]);
+    solve(&deck, &coarse, &r);
+    for (int i = 0; i < coarse.deck.n_probe; i++) {
+      double off = fabs(r.probe_irradiance[i] - right.probe_irradiance[i]);
+      double said = r.probe_error_irradiance[i];
+      ck_assert_msg(off <= said + right.probe_error_irradiance[i],
+                    "%s: probe %d: off by %g, not %g", method[k], i, off, said);
+      int is_known = k == 2 || (i != 1 && i < 4); /* no limits at edges of uniform meshes */
+      ck_assert_int_eq(isfinite(said) != 0, is_known);
+      ck_assert_msg(!is_known || said <= 2 * r.diagnostics.error_bound,
+                    "%s: probe %d: off by %g, not %g", method[k], i, off, said);
+    }
+    release(&coarse, &r);
+  }
+  for (int i = 0; i < fine.deck.n_probe; i++)
+    ck_assert_double_le(right.probe_error_irradiance[i], 1e-5);
+  deck.length = head;
+  deck_add(&deck, "method: {%s}\n", method[0]);
+  solve(&deck, &coarse, &r);
+  ck_assert_ptr_null(r.probe_error_irradiance); /* without a tolerance */
+  release(&coarse, &r);
+  release(&fine, &right);
+}
+END_TEST
+
 int main(void) {
   Suite *suite = suite_create("picture");
   TCase *rooms = tcase_create("rooms"), *spot = tcase_create("spots");
@@ -382,6 +460,8 @@ int main(void) {
   tcase_add_loop_test(rooms, closed_rooms, 0, full ? 200 : 12);
   tcase_add_loop_test(rooms, wedges, 0, 4);
   tcase_add_loop_test(rooms, black_rooms, 0, full ? 40 : 4);
+  tcase_add_test(spot, planned_memory);
+  tcase_add_test(rooms, probes_of_coarse_meshes);
   tcase_add_loop_test(spot, bright_spot, 0, sizeof spots / sizeof *spots);
   suite_add_tcase(suite, rooms);
   suite_add_tcase(suite, spot);

@@ -407,7 +407,7 @@ static double *adapted(const struct room *room, double tolerance, const struct s
   enum rad_code code = rad_adapt(&room->scene, &goal, &a, &e);
   ck_assert_msg(code == RAD_OK, "%s", e.text);
   ck_assert_msg(!a.reason[0], "tolerance %g not reached: %s", tolerance, a.reason);
-  code = rad_irradiance_at(a.mesh, &a.rules, room->scene.visibility->sight, &list, 1, a.u, u, &e);
+  code = rad_irradiance_at(a.mesh, &a.rules, &list, 1, a.u, u, &e);
   ck_assert_msg(code == RAD_OK, "%s", e.text);
   rad_iterated(&room->scene, &list, u, u);
   *bound = a.bound;

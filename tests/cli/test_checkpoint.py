@@ -3,6 +3,7 @@
 POLYRAD_TEST_FULL=1 takes ten times as many moments. The seed is printed; POLYRAD_TEST_SEED sets it.
 """
 
+import itertools
 import os
 import random
 import re
@@ -29,6 +30,19 @@ CORNER_FACES = (triangle("floor", [[0, 0, 0], [1, 0, 0], [0, 1, 0]], [0, 0, 1], 
                 + triangle("y0", [[0, 0, 0], [0, 0, 1], [1, 0, 0]], [0, 1, 0], 0.5, 0.3))
 BLOCKER = triangle("blocker", [[.1, .1, .2], [.4, .1, .2], [.1, .4, .2]], [0, 0, 1], 0.3, 0)
 PROBE = "probes:\n  - {name: a, surface: floor, at: [0.3, 0.3, 0]}\n"
+
+
+def plates(n, tolerance):
+    """View factors of n * n triangles below a blocker and n * n above it; all else takes no time."""
+    faces = BLOCKER
+    for i, j in itertools.product(range(n), range(n)):
+        p = [[i / n, j / n], [(i + 1) / n, j / n], [i / n, (j + 1) / n]]
+        faces += (triangle("floor", [[*x, 0] for x in p], [0, 0, 1], 0, 0)
+                  + triangle("ceiling", [[*x, 1] for x in p], [0, 0, -1], 0, 0))
+    return (faces + PROBE + "method: {mesh: uniform, elements: 1, degree: 0}\n"
+            "output: {view_factors: true}\naccuracy: {tolerance: %g}\n" % tolerance)
+
+
 DECKS = {
     "hierarchical": CORNER_FACES + PROBE + "method: {mesh: paper, elements: 8, matrix: hierarchical, "
                     "quadrature_tolerance: 1e-8}\n",
@@ -36,6 +50,7 @@ DECKS = {
     "adaptive": CORNER_FACES + PROBE + "accuracy: {tolerance: 1e-5}\n",
     "shadow": CORNER_FACES + BLOCKER + PROBE + "method: {mesh: uniform, elements: 12, degree: 1, "
               "matrix: hierarchical, quadrature_tolerance: 1e-5}\n",
+    "factors": plates(5, 1e-11),
 }
 
 
@@ -140,6 +155,15 @@ class Signals(Case):
                     self.assertEqual(code, -number, err)
                     self.assertRegex(err, r"\Astopped by %s; nothing is written[^\n]*\n\Z" % number.name)
                     self.assertEqual(self.files(), ["deck.yml"])
+
+    def test_view_factors(self):
+        """Stopped among them, and within a pair: they would take much longer."""
+        self.write("deck.yml", "scene:\n  triangles:\n" + plates(5, 1e-13))
+        for number in BOTH:
+            code, err = self.stop(3, number, "run", "deck.yml", "-o", "out.h5", "--quiet")
+            self.assertEqual(code, -number, err)
+            self.assertRegex(err, r"\Astopped by %s; nothing is written[^\n]*\n\Z" % number.name)
+            self.assertEqual(self.files(), ["deck.yml"])
 
     def test_verbs_that_write_nothing(self):
         """The signal ends them, whenever it comes."""

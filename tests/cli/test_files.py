@@ -235,6 +235,22 @@ class PlacesAreTried(Files):
         self.assertEqual(self.contents(), before)
         self.assertEqual(os.listdir(self.path("sub")), [])
 
+    def test_pipe(self):
+        """Nobody may ever read it. So a pipe is refused, by name and by the deck, but for one that is open."""
+        os.mkfifo(self.path("pipe"))
+        self.write("pipe.yml", DECK.replace("out.h5", "pipe") % 1)
+        before = self.files()
+        for words in (("run", "deck.yml", "-o", "pipe"), ("study", "deck.yml", "-o", "./pipe"), ("run", "pipe.yml"),
+                      ("assemble", "deck.yml", "--part", "1/2", "-o", "pipe"),
+                      ("run", "deck.yml", "--checkpoint", "pipe")):
+            text = self.refused(2, *words)
+            self.assertRegex(text, r"\Aerror: the (result|table|part|checkpoint) cannot be written to (\./)?pipe, which is "
+                                   r"a named pipe; give a file by (-o|--checkpoint)\n\Z")
+        p = subprocess.run([PROGRAM, "run", "deck.yml", "-o", "/dev/stdout", "--quiet"], cwd=self.folder,
+                           stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.assertEqual((p.returncode, p.stdout[:4]), (0, b"\x89HDF"), p.stderr)
+        self.assertEqual(self.files(), before)
+
     def test_rights(self):
         if os.geteuid() == 0:
             self.skipTest("root may write anywhere")

@@ -53,6 +53,7 @@ START_TEST(test_layout) {
                   {"/polyrad/probes/normal", 2, {2, 3}},
                   {"/polyrad/probes/radiosity", 2, {2, 2}},
                   {"/polyrad/probes/irradiance", 2, {2, 2}},
+                  {"/polyrad/probes/error_irradiance", 2, {2, 2}},
                   {"/VTKHDF/Points", 2, {7, 3}},
                   {"/VTKHDF/Connectivity", 1, {7}},
                   {"/VTKHDF/Offsets", 1, {3}},
@@ -73,7 +74,7 @@ START_TEST(test_layout) {
     check_shape(file, expected[k].name, expected[k].rank, expected[k].shape);
   int n_dataset = 0;
   H5Lvisit(file, H5_INDEX_NAME, H5_ITER_INC, check_labels, &n_dataset);
-  ck_assert_int_eq(n_dataset, 6 + 10 + 3 + 5 + 7 + 5 + 6 + 1);
+  ck_assert_int_eq(n_dataset, 6 + 10 + 3 + 6 + 7 + 5 + 6 + 1);
   check_text(file, "/polyrad/surfaces/area", "unit", "m2");
   check_text(file, "/polyrad/solution/value", "unit", "W/m2");
   H5Fclose(file);
