@@ -108,16 +108,18 @@ static double light_source(const struct rad_case *c, const struct rad_point_list
   return c->adaptive.light_source[rad_mesh_locate(mesh, patch, phi, r) * c->scene.n_band + band];
 }
 
-/* |h - K u_h| <= |K d| + K z (theory 6.11), where the run has a bound. */
+/* |h - K u_h| <= |K d| + K z (theory 6.11); NaN where the run has no bound. */
 static enum rad_code set_errors(const struct rad_case *c, const struct rad_point_list *list,
                                 struct rad_result *r, struct rad_error *e) {
   int nb = c->scene.n_band;
-  if (!c->has_bound || list->n == 0)
-    return RAD_OK;
   double *error = r->probe_error_irradiance =
       rad_alloc((size_t)list->n * (size_t)nb, sizeof(double));
   if (!error)
     return rad_fail_memory(e, "the probes", 8.0 * list->n * nb);
+  for (int i = 0; i < list->n * nb; i++)
+    error[i] = NAN;
+  if (!c->has_bound || list->n == 0)
+    return RAD_OK;
   enum rad_code code = rad_irradiance_at(c->mesh, &c->rules, list, nb, c->adaptive.z, error, e);
   for (int i = 0; i < list->n && !code; i++)
     for (int b = 0; b < nb; b++)
