@@ -50,11 +50,12 @@ enum {
 struct receiver {
   struct rad_receiver at;
   struct rad_singular singular;
-  double centre[3], radius; /* of a sphere round it */
-  int is_cut;               /* its plane cuts the element's triangle: F has a kink there */
-  double portion;           /* of the tolerance */
-  double share;             /* of it, for errors that add up, times the area */
-  int64_t most_factors;     /* from there on cells are not halved */
+  double centre[3], radius;    /* of a sphere round it */
+  int is_broken;               /* F has kinks on the element's triangle */
+  double most[RAD_MAX_WEIGHT]; /* if it is broken: int |w| F without shadows [W] */
+  double portion;              /* of the tolerance */
+  double share;                /* of it, for errors that add up, times the area */
+  int64_t most_factors;        /* from there on cells are not halved */
   struct rad_transfer_sums sums;
 };
 
@@ -186,13 +187,13 @@ void rad_transfer_open(const struct rad_transfer *r, int triangle, double roundi
 
 /* True if the variances are within their share, times more. Half of it goes by element, half by
  * what is sent: strong pairs may have larger ones, which takes the fewest points in all. */
-static int is_certain(const struct rad_transfer *r, const struct receiver *to, const double *most,
+static int is_certain(const struct rad_transfer *r, const struct receiver *to,
                       const double *variance, double times) {
   double area = BY_CHANCE * r->to->triangle[to->at.triangle].area;
   const double *open = r->open[to->at.triangle - r->first].sum;
   for (int k = 0; k < r->w->n; k++) {
-    double part = 0.5 * (to->portion + (open[k] > 0 ? most[k] / open[k] : 0));
-    if (RAD_SIGMAS * sqrt(variance[k]) > TRUSTED * most[k] ||
+    double part = 0.5 * (to->portion + (open[k] > 0 ? to->most[k] / open[k] : 0));
+    if (RAD_SIGMAS * sqrt(variance[k]) > TRUSTED * to->most[k] ||
         !(SHARE_SIGMAS * sqrt(variance[k]) <= times * area * r->tolerance[k] * sqrt(part)))
       return 0;
   }
@@ -203,20 +204,19 @@ static int is_certain(const struct rad_transfer *r, const struct receiver *to, c
  * up. 1 if that was good enough. */
 static int by_points(const struct rad_transfer *r, const struct receiver *to,
                      struct rad_transfer_scratch *w) {
-  double most[RAD_MAX_WEIGHT], value[RAD_MAX_WEIGHT], variance[RAD_MAX_WEIGHT];
-  rad_transfer_open(r, to->at.triangle, to->at.rounding, most, w);
+  double value[RAD_MAX_WEIGHT], variance[RAD_MAX_WEIGHT];
   for (int set = 0; set < RAD_N_LATTICE; set++) {
     double sum[RAD_MAX_WEIGHT][RAD_REPLICATES] = {{0}};
     double times = set < RAD_N_LATTICE - 1 ? 1 : LEFT_TO_CELLS;
     int n = rad_lattice[set].n * RAD_REPLICATES;
     for (int k = 0; k < r->w->n; k++)
-      judge(sum[k], n, most[k], &value[k], &variance[k]);
-    if (!is_certain(r, to, most, variance, times)) /* so few points can not be enough */
+      judge(sum[k], n, to->most[k], &value[k], &variance[k]);
+    if (!is_certain(r, to, variance, times)) /* so few points can not be enough */
       continue;
     sum_copies(r, set, to, sum, w);
     for (int k = 0; k < r->w->n; k++)
-      judge(sum[k], n, most[k], &value[k], &variance[k]);
-    if (!is_certain(r, to, most, variance, times))
+      judge(sum[k], n, to->most[k], &value[k], &variance[k]);
+    if (!is_certain(r, to, variance, times))
       continue;
     for (int k = 0; k < r->w->n; k++) {
       to->sums.value[k] += value[k];
@@ -232,13 +232,11 @@ static int by_points(const struct rad_transfer *r, const struct receiver *to,
 
 /* Tolerance of cells: half by what is sent without shadows, half evenly, among the elements that
  * the receiver sees in part. */
-static void share_of_cells(const struct rad_transfer *r, const struct receiver *to, double *share,
-                           struct rad_transfer_scratch *w) {
-  double most[RAD_MAX_WEIGHT], area = r->to->triangle[to->at.triangle].area;
+static void share_of_cells(const struct rad_transfer *r, const struct receiver *to, double *share) {
+  double area = r->to->triangle[to->at.triangle].area;
   const struct rad_open *open = &r->open[to->at.triangle - r->first];
-  rad_transfer_open(r, to->at.triangle, to->at.rounding, most, w);
   for (int k = 0; k < r->w->n; k++) {
-    double part = (open->sum[k] > 0 ? most[k] / open->sum[k] : 0) + 1.0 / open->n;
+    double part = (open->sum[k] > 0 ? to->most[k] / open->sum[k] : 0) + 1.0 / open->n;
     share[k] = (1 - BY_CHANCE) * area * r->tolerance[k] * 0.5 * part;
   }
 }
@@ -279,7 +277,7 @@ static int by_cells(const struct rad_transfer *r, const struct receiver *to, int
                                .limit = limit / n,
                                .most_blockers = is_last ? 0 : FEW_BLOCKERS,
                                .tolerance = share};
-  share_of_cells(r, to, share, w);
+  share_of_cells(r, to, share);
   for (int k = 0; k < r->w->n; k++)
     share[k] /= n;
   if (r->w->mesh->element[element].n_function == 1)
@@ -323,7 +321,7 @@ static int by_rules(const struct rad_transfer *r, struct rad_lights *l, const st
     add(r, low, most, to);
     return 1;
   }
-  if (to->at.sight == RAD_PARTLY || to->is_cut || !is_smooth(l, to))
+  if (to->is_broken || !is_smooth(l, to))
     return 0;
   apply(r, light_of(r, l, 1), to, high, w);
   for (unsigned rule = 2; rule < RAD_N_RULE; rule++) {
@@ -406,7 +404,7 @@ void rad_transfer_to(const struct rad_transfer *r, int triangle, double portion,
   const struct rad_triangle *s = &r->to->triangle[from], *t = &r->to->triangle[triangle];
   enum rad_sight sight = sight_of(r, (int)from, triangle);
   struct receiver to = {.at = {triangle, sight, 0},
-                        .is_cut = rad_side_of(t, s) == RAD_ACROSS,
+                        .is_broken = rad_transfer_is_broken(r, (int)from, triangle),
                         .portion = portion,
                         .share = (1 - BY_CHANCE) * t->area * portion,
                         .most_factors = w->factors + MOST_IN_PARTS,
@@ -417,9 +415,12 @@ void rad_transfer_to(const struct rad_transfer *r, int triangle, double portion,
   to.at.rounding = rounding(r, light_of(r, &w->whole, 2), to.share);
   if (by_rules(r, &w->whole, &to, to.share, 0, w))
     return;
-  if (sight == RAD_FREE && !to.is_cut)
+  if (!to.is_broken) {
     by_halves(r, &w->whole, &to, to.share, 0, w);
-  else if (!by_cells(r, &to, FIRST_IN_CELLS, w) && (sight == RAD_FREE || !by_points(r, &to, w)))
+    return;
+  }
+  rad_transfer_open(r, triangle, to.at.rounding, to.most, w);
+  if (!by_cells(r, &to, FIRST_IN_CELLS, w) && (sight == RAD_FREE || !by_points(r, &to, w)))
     by_cells(r, &to, MOST_IN_CELLS, w);
 }
 

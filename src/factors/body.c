@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
+#include "base/union_find.h"
 #include "base/vec.h"
 #include "visibility/bvh.h"
 
@@ -16,12 +17,6 @@ static int joined(const int *twin, const int *owner, const unsigned char *casts,
     if (casts[owner[other]])
       return other;
   return -1;
-}
-
-static int root_of(int *parent, int k) {
-  while (parent[k] != k)
-    k = parent[k] = parent[parent[k]];
-  return k;
 }
 
 static const double *corner_of(const struct rad_occluders *o, int polygon, int c) {
@@ -105,9 +100,9 @@ static void link(const struct rad_occluders *o, const int *owner, const int *joi
   for (int k = 0; k < o->n; k++)
     for (int c = o->occluder[k].first; c < o->occluder[k].first + o->occluder[k].n; c++)
       if (join[c] >= 0)
-        parent[root_of(parent, owner[join[c]])] = root_of(parent, k);
+        parent[rad_find_root(parent, owner[join[c]])] = rad_find_root(parent, k);
   for (int k = o->n - 1; k >= 0; k--) {
-    int root = root_of(parent, k);
+    int root = rad_find_root(parent, k);
     if (root != k) {
       next[k] = next[root];
       next[root] = k;

@@ -507,11 +507,11 @@ enum rad_code rad_cell_integrate(const struct rad_pair_engine *g, struct rad_cel
   if (seen == 0)
     return RAD_OK;
   int64_t limit = task->limit > 0 ? task->limit : LIMIT;
-  int is_many = task->most_blockers && s->pair.n_blocker > task->most_blockers;
-  for (int k = 0; k < task->n_weight && seen > 0 && is_many; k++)
-    error[k] = INFINITY;
-  if (seen > 0 && is_many)
+  if (seen > 0 && task->most_blockers && s->pair.n_blocker > task->most_blockers) {
+    for (int k = 0; k < task->n_weight; k++)
+      error[k] = INFINITY;
     return RAD_OK;
+  }
   if (seen > 0)
     begin(s, task);
   while (seen > 0 && !s->failed && !rad_stop_asked()) {

@@ -4,28 +4,12 @@
 
 #include "base/memory.h"
 #include "factors/body.h"
-
-/* A side of an occluder, by its vertices. */
-struct side {
-  int low, high, number;
-};
-
-static int compare_sides(const void *a, const void *b) {
-  const struct side *x = a, *y = b;
-  if (x->low != y->low)
-    return x->low < y->low ? -1 : 1;
-  if (x->high != y->high)
-    return x->high < y->high ? -1 : 1;
-  return (x->number > y->number) - (x->number < y->number);
-}
+#include "scene/edge.h"
 
 /* Sides with the same two vertices, in a ring: one that three polygons share has three twins. */
-static void find_twins(int n, const struct side *side, int *twin) {
+static void find_twins(int n, const struct rad_edge *side, int *twin) {
   for (int first = 0, last; first < n; first = last) {
-    for (last = first + 1;
-         last < n && side[last].low == side[first].low && side[last].high == side[first].high;
-         last++)
-      ;
+    last = rad_edges_end(n, side, first);
     for (int k = first; k < last; k++)
       twin[side[k].number] = last - first == 1 ? -1 : side[k + 1 < last ? k + 1 : first].number;
   }
@@ -39,7 +23,7 @@ enum rad_code rad_pair_engine_init(const struct rad_scene *scene, struct rad_pai
   enum rad_code code = rad_gauss_init(&g->gauss, e);
   if (code)
     return code;
-  struct side *side = rad_alloc((size_t)n, sizeof *side);
+  struct rad_edge *side = rad_alloc((size_t)n, sizeof *side);
   g->twin = rad_alloc((size_t)n, sizeof *g->twin);
   g->owner = rad_alloc((size_t)n, sizeof *g->owner);
   g->body = rad_alloc((size_t)o->n, sizeof *g->body);
@@ -50,10 +34,10 @@ enum rad_code rad_pair_engine_init(const struct rad_scene *scene, struct rad_pai
       int at = o->occluder[k].first + c;
       int p = o->corner[at], q = o->corner[o->occluder[k].first + (c + 1) % o->occluder[k].n];
       g->owner[at] = k;
-      side[at] = (struct side){p < q ? p : q, p < q ? q : p, at};
+      side[at] = rad_edge_of(p, q, at);
     }
   if (!code) {
-    qsort(side, (size_t)n, sizeof *side, compare_sides);
+    rad_edges_sort(n, side);
     find_twins(n, side, g->twin);
     if (rad_bodies_find(o, g->twin, g->owner, g->body))
       code = rad_fail_memory(e, "the edges of what casts shadows", 8.0 * o->n);

@@ -64,7 +64,7 @@ struct rad_result {
   double *probe_normal;                          /* owned [n_probe, 3] */
   double *probe_radiosity;                       /* owned [n_probe, n_band] */
   double *probe_irradiance;                      /* owned [n_probe, n_band] */
-  double *probe_error_irradiance;                /* owned [n_probe, n_band], or NULL: not known */
+  double *probe_error_irradiance;                /* owned [n_probe, n_band]; NaN: not known */
   double *probe_flux;                            /* owned [n_probe] u* - h; thermal scenes only */
   double *probe_temperature;                     /* owned [n_probe] [K]; the same */
   struct rad_view_factors view_factors;          /* owned; matrix is NULL: not asked for */

@@ -7,18 +7,15 @@
 
 #include "base/memory.h"
 #include "base/scramble.h"
+#include "base/union_find.h"
 #include "base/vec.h"
 #include "scene/contact.h"
+#include "scene/edge.h"
 #include "scene/shell.h"
 
 #define ASIDE 1e-10      /* of the scene's size: nearer vertices are one */
 #define ROUNDING 64      /* of coordinates, in units of the last place */
 #define FROM_VERTEX 1e-4 /* weights of the other vertices, beside a vertex */
-
-/* A side of a triangle, counterclockwise as seen from where it radiates. */
-struct side {
-  int low, high, triangle, turned; /* turned: from the vertex `high` to `low` */
-};
 
 /* The three vertices of a triangle in order. */
 struct corners {
@@ -40,21 +37,6 @@ struct search {
 
 /* ---- pieces ---- */
 
-static int compare_sides(const void *a, const void *b) {
-  const struct side *x = a, *y = b;
-  if (x->low != y->low)
-    return x->low < y->low ? -1 : 1;
-  if (x->high != y->high)
-    return x->high < y->high ? -1 : 1;
-  return (x->triangle > y->triangle) - (x->triangle < y->triangle);
-}
-
-static int find(int *parent, int t) {
-  while (parent[t] != t)
-    t = parent[t] = parent[parent[t]];
-  return t;
-}
-
 static int is_turned(const struct rad_triangle *t) {
   double u[3], v[3], normal[3];
   rad_sub(t->v[1], t->v[0], u);
@@ -63,34 +45,35 @@ static int is_turned(const struct rad_triangle *t) {
   return rad_dot(normal, t->normal) < 0;
 }
 
-static void list_sides(const struct rad_scene *s, struct side *side) {
-  for (int t = 0; t < s->n_triangle; t++)
-    for (int c = 0; c < 3; c++) {
-      int p = s->triangle[t].vertex[c], q = s->triangle[t].vertex[(c + 1) % 3];
-      side[3 * (size_t)t + (size_t)c] =
-          (struct side){p < q ? p : q, p < q ? q : p, t, (p > q) != is_turned(&s->triangle[t])};
-    }
+/* Edges numbered 3 t + c. */
+static void list_edges(const struct rad_scene *s, struct rad_edge *edge) {
+  for (int i = 0; i < 3 * s->n_triangle; i++) {
+    const int *vertex = s->triangle[i / 3].vertex;
+    edge[i] = rad_edge_of(vertex[i % 3], vertex[(i % 3 + 1) % 3], i);
+  }
+}
+
+/* True if an edge runs from its vertex `high` to `low`, counterclockwise as seen from where its
+ * triangle radiates. */
+static int runs_down(const struct rad_scene *s, const struct rad_edge *edge) {
+  const struct rad_triangle *t = &s->triangle[edge->number / 3];
+  return (t->vertex[edge->number % 3] == edge->high) != is_turned(t);
 }
 
 /* Pieces by first triangles; their number. Where more than two meet, each may be an end. */
-static int join(const struct rad_scene *s, struct side *side, int *parent, int *piece) {
-  int n = 0, n_side = 3 * s->n_triangle;
-  list_sides(s, side);
-  qsort(side, (size_t)n_side, sizeof *side, compare_sides);
+static int join(const struct rad_scene *s, struct rad_edge *edge, int *parent, int *piece) {
+  int n = 0, n_edge = 3 * s->n_triangle;
+  list_edges(s, edge);
+  rad_edges_sort(n_edge, edge);
   for (int t = 0; t < s->n_triangle; t++)
     parent[t] = t;
-  for (int first = 0, last; first < n_side; first = last) {
-    for (last = first + 1;
-         last < n_side && side[last].low == side[first].low && side[last].high == side[first].high;
-         last++)
-      ;
-    if (last - first != 2 || side[first].turned == side[first + 1].turned)
-      continue;
-    int a = find(parent, side[first].triangle), b = find(parent, side[first + 1].triangle);
-    parent[a > b ? a : b] = a > b ? b : a;
+  for (int first = 0, last; first < n_edge; first = last) {
+    last = rad_edges_end(n_edge, edge, first);
+    if (last - first == 2 && runs_down(s, &edge[first]) != runs_down(s, &edge[first + 1]))
+      rad_unite(parent, edge[first].number / 3, edge[first + 1].number / 3);
   }
   for (int t = 0; t < s->n_triangle; t++)
-    piece[t] = find(parent, t) == t ? n++ : piece[find(parent, t)];
+    piece[t] = rad_find_root(parent, t) == t ? n++ : piece[rad_find_root(parent, t)];
   return n;
 }
 
@@ -288,7 +271,7 @@ static int hides_backs(struct search *q) {
 static enum rad_code begin(struct search *q, struct rad_error *e) {
   const struct rad_scene *s = q->scene;
   size_t n = (size_t)s->n_triangle;
-  struct side *side = rad_alloc(3 * n, sizeof *side);
+  struct rad_edge *edge = rad_alloc(3 * n, sizeof *edge);
   int *parent = rad_alloc(n, sizeof *parent);
   double farthest = 0;
   for (int k = 0; k < 3 * s->n_vertex; k++)
@@ -300,11 +283,11 @@ static enum rad_code begin(struct search *q, struct rad_error *e) {
   q->in_front = rad_alloc(n, sizeof *q->in_front);
   q->behind = rad_alloc(n, sizeof *q->behind);
   q->largest = rad_alloc(n, sizeof *q->largest);
-  int made = side && parent && q->piece && q->meets && q->has_back && q->in_front && q->behind &&
+  int made = edge && parent && q->piece && q->meets && q->has_back && q->in_front && q->behind &&
              q->largest;
   if (made)
-    q->n_piece = join(s, side, parent, q->piece);
-  free(side);
+    q->n_piece = join(s, edge, parent, q->piece);
+  free(edge);
   free(parent);
   return made ? RAD_OK : rad_fail_memory(e, "the search for enclosures", 80.0 * (double)n);
 }

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
+#include "base/union_find.h"
 #include "base/vec.h"
 
 #define CLOSED 1e-11    /* sum of the line integrals over the length of all edges: rounding */
@@ -26,12 +27,6 @@ struct sums {
   double rim[N_FIELD], length, area, farthest;
 };
 
-static int find(int *parent, int v) {
-  while (parent[v] != v)
-    v = parent[v] = parent[parent[v]];
-  return v;
-}
-
 /* Shells by common vertices; their number. */
 static int join(const struct rad_scene *scene, int *parent, int *number, int *shell) {
   int n = 0;
@@ -40,13 +35,10 @@ static int join(const struct rad_scene *scene, int *parent, int *number, int *sh
     number[v] = -1;
   }
   for (int t = 0; t < scene->n_triangle; t++)
-    for (int m = 1; m < 3; m++) {
-      int a = find(parent, scene->triangle[t].vertex[0]);
-      int b = find(parent, scene->triangle[t].vertex[m]);
-      parent[a > b ? a : b] = a > b ? b : a;
-    }
+    for (int m = 1; m < 3; m++)
+      rad_unite(parent, scene->triangle[t].vertex[0], scene->triangle[t].vertex[m]);
   for (int t = 0; t < scene->n_triangle; t++) {
-    int *known = &number[find(parent, scene->triangle[t].vertex[0])];
+    int *known = &number[rad_find_root(parent, scene->triangle[t].vertex[0])];
     if (*known < 0)
       *known = n++;
     shell[t] = *known;

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "base/union_find.h"
 
 enum { FEW = 10 }; /* triangles around a point that is taken away early */
 
@@ -353,12 +354,6 @@ static int compare_diagonals(const void *a, const void *b) {
   return (p->edge > q->edge) - (p->edge < q->edge);
 }
 
-static int find_root(int *parent, int h) {
-  while (parent[h] != h)
-    h = parent[h] = parent[parent[h]];
-  return h;
-}
-
 /* What a, b, c make of b: 0 a straight line, 1 a convex corner, -1 a reflex one or a spike. */
 static int kind_of_corner(const struct mesh *m, int a, int b, int c) {
   if (straight(m, a, b, c))
@@ -368,7 +363,7 @@ static int kind_of_corner(const struct mesh *m, int a, int b, int c) {
 
 /* Remove edge h between two polygons if one convex polygon with few corners results. */
 static void merge_over(struct mesh *m, int h, int n_most, int *parent, int *n_corner) {
-  int g = m->twin[h], root = find_root(parent, h), other = find_root(parent, g);
+  int g = m->twin[h], root = rad_find_root(parent, h), other = rad_find_root(parent, g);
   if (root == other)
     return;
   int before_h = m->prev[h], before_g = m->prev[g], after_h = m->next[h], after_g = m->next[g];
