@@ -12,9 +12,10 @@
 #include "system/cluster.h"
 
 /* Parts of the tolerance that the integrals of means may use up, at least and at most; between them
- * half of what the bound leaves. */
-#define INTEGRATION_PART 0.1
-#define INTEGRATION_MOST 0.3
+ * a part of what the bound leaves. */
+#define INTEGRATION_LEAST 0.1
+#define INTEGRATION_MOST 0.5
+#define INTEGRATION_OF_REST 0.75
 
 /* Pairs of elements and triangles up to which means without an error are integrated to a tolerance.
  * Beyond, they take the points that are exact for u, and about the time of the matrix. */
@@ -162,7 +163,7 @@ enum rad_code rad_means_estimated(const struct rad_estimate *x, double tolerance
   double *z = spread_bound(fine, x->element_bound), most = 0;
   for (int i = 0; i < fine->n_element; i++)
     most = fmax(most, x->element_bound[i]);
-  double left = fmin(fmax(0.5 * (tolerance - most), INTEGRATION_PART * tolerance),
+  double left = fmin(fmax(INTEGRATION_OF_REST * (tolerance - most), INTEGRATION_LEAST * tolerance),
                      INTEGRATION_MOST * tolerance);
   for (int b = 0; b < m->n_band; b++) {
     w.w[b] = indicator->star + (size_t)b * (size_t)fine->n_point;
@@ -200,7 +201,7 @@ enum rad_code rad_means_plain(const struct rad_mesh *mesh, const double *u, doub
       most = fmax(most, fabs(w.w[b][i]));
     allowed[b] = (double)mesh->n_element * s->n_triangle > PLAIN_PAIRS
                      ? INFINITY
-                     : INTEGRATION_PART * tolerance * most;
+                     : INTEGRATION_LEAST * tolerance * most;
   }
   if (!code)
     code = receive(&w, allowed, &r, m, e);

@@ -38,11 +38,12 @@
 
 enum {
   MOST_IN_CELLS = 500000, /* points of an element and a receiver in cells */
-  FIRST_IN_CELLS = 300, /* the same before scattered points are tried: most small pairs take less */
-  FEW_BLOCKERS = 8,     /* with more, scattered points come first */
-  LEAST_RULE = 2,       /* points per direction where the bound alone is small enough */
-  PART_RULE = 4,        /* least points per direction of those to compare, on parts of an element */
-  DEEPEST = 60,         /* halvings of an element */
+  FIRST_IN_CELLS = 300,   /* the same before scattered points are tried, for constant elements: most
+                             small pairs take less; with weights cells cost more than points */
+  FEW_BLOCKERS = 8,       /* with more, scattered points come first */
+  LEAST_RULE = 2,         /* points per direction where the bound alone is small enough */
+  PART_RULE = 4, /* least points per direction of those to compare, on parts of an element */
+  DEEPEST = 60,  /* halvings of an element */
   MOST_IN_PARTS = 1000000 /* factors of an element and a receiver */
 };
 
@@ -419,8 +420,11 @@ void rad_transfer_to(const struct rad_transfer *r, int triangle, double portion,
     by_halves(r, &w->whole, &to, to.share, 0, w);
     return;
   }
+  int is_constant = r->w->mesh->element[w->whole.cell.element].n_function == 1;
   rad_transfer_open(r, triangle, to.at.rounding, to.most, w);
-  if (!by_cells(r, &to, FIRST_IN_CELLS, w) && (sight == RAD_FREE || !by_points(r, &to, w)))
+  if (is_constant && by_cells(r, &to, FIRST_IN_CELLS, w))
+    return;
+  if (sight == RAD_FREE || !by_points(r, &to, w))
     by_cells(r, &to, MOST_IN_CELLS, w);
 }
 
