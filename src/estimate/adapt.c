@@ -10,6 +10,8 @@
 #include "base/memory.h"
 #include "estimate/approach.h"
 #include "estimate/bound.h"
+#include "estimate/remainder.h"
+#include "system/cluster.h"
 #include "visibility/visibility.h"
 
 enum { MAX_LEVEL = 40 };
@@ -26,6 +28,9 @@ enum { MAX_LEVEL = 40 };
 /* Where means miss the tolerance, the bound is to become this part of what would just do. */
 #define BELOW 0.6
 #define LEAST_TARGET 1e-3 /* of the tolerance */
+
+/* Part of the tolerance that remainders may leave out of a mean. */
+#define LEFT_OUT 0.3
 
 /* Parts of the tolerance that quadrature and solver may use up. */
 #define QUADRATURE_PART 0.1
@@ -53,6 +58,7 @@ void rad_adaptive_free(struct rad_adaptive *a) {
   rad_stage_free(&a->stage);
   rad_means_free(&a->means);
   free(a->element_bound);
+  free(a->remainder);
   free(a->least_weight);
   free(a->source);
   free(a->light_source);
@@ -201,7 +207,36 @@ static double least_effect(const struct rad_indicator *x, double share) {
   return NEARLY * share * most / fmax(x->wanted_unseen, 1e-300);
 }
 
-static enum rad_code refine(struct rad_adaptive *a, struct rad_error *e) {
+/* What an element's remainder does to the mean that is worst, at most. */
+static double to_mean(const struct rad_adaptive *a, int element) {
+  double area = a->layout.scene->triangle[a->means.worst_triangle].area;
+  return a->remainder[element] * fmin(1, rad_element_area(a->mesh, element) / area);
+}
+
+/* Elements with a remainder; 0 if no means were made of this mesh. */
+static int count_left_out(const struct rad_adaptive *a) {
+  int n = 0;
+  for (int i = 0; a->remainder && i < a->mesh->n_element; i++)
+    n += a->remainder[i] > 0;
+  return n;
+}
+
+/* How many times an element leaves more out of a mean than its share of the tolerance, n have one.
+ */
+static double mean_factor(const struct rad_goal *g, const struct rad_adaptive *a, int element,
+                          int n) {
+  return n > 0 ? to_mean(a, element) * n / (LEFT_OUT * g->tolerance) : 0;
+}
+
+/* True if remainders alone may be what a mean misses the tolerance by. */
+static int is_left_out(const struct rad_goal *g, const struct rad_adaptive *a) {
+  double sum = 0;
+  for (int i = 0; i < a->mesh->n_element; i++)
+    sum += to_mean(a, i);
+  return sum > LEFT_OUT * g->tolerance && a->levels < MAX_LEVEL / 2;
+}
+
+static enum rad_code refine(const struct rad_goal *g, struct rad_adaptive *a, struct rad_error *e) {
   struct rad_layout *l = &a->layout;
   const struct rad_indicator *x = &a->indicator;
   struct rad_refinement *what = rad_calloc((size_t)l->n_leaf, sizeof *what);
@@ -210,11 +245,13 @@ static enum rad_code refine(struct rad_adaptive *a, struct rad_error *e) {
   double share =
       0.8 * a->target / (rad_safety(l->scene) * fmax(a->report.inverse_norm, 1) * x->spread);
   double over = OVERSHOOT * pow(1.15, a->levels);
+  int n_left_out = count_left_out(a);
   for (int i = 0; i < l->n_leaf; i++) {
     const struct rad_leaf *f = &l->leaf[i];
     struct rad_refinement *w = &what[i];
     *w = (struct rad_refinement){.k_phi = f->k_phi, .k_r = f->k_r};
-    double factor = x->part[i] / share, most = fmax(x->tail_phi[i], x->tail_r[i]);
+    double factor = fmax(x->part[i] / share, mean_factor(g, a, i, n_left_out)),
+           most = fmax(x->tail_phi[i], x->tail_r[i]);
     if (l->passive[l->patch[f->patch].triangle] || factor <= NEARLY)
       continue;
     /* both tails are to fall to the same level */
@@ -226,6 +263,8 @@ static enum rad_code refine(struct rad_adaptive *a, struct rad_error *e) {
   }
   enum rad_code code = rad_layout_refine(l, what, e);
   free(what);
+  free(a->remainder); /* of the mesh before */
+  a->remainder = NULL;
   return code ? code : rad_approach(&x->feet, least_effect(x, share), l, e);
 }
 
@@ -275,29 +314,41 @@ static enum rad_code level(const struct rad_scene *scene, const struct rad_goal 
   return RAD_OK;
 }
 
-/* z, and what integrals and compression leave in u* itself. */
-static double *bound_sources(const struct rad_adaptive *a) {
-  double *sum = rad_alloc((size_t)a->mesh->n_element, sizeof(double));
-  for (int i = 0; sum && i < a->mesh->n_element; i++)
-    sum[i] = a->element_bound[i] +
-             rad_reflects(a, rad_element_triangle(a->mesh, i)) * (a->quadrature + a->h2.error);
-  return sum;
+/* The remainder; then with z, and what integrals and compression leave in u* itself: sources. */
+static enum rad_code bound_sources(struct rad_adaptive *a, double *sources, struct rad_error *e) {
+  int is_dark = rad_indicator_scale(&a->indicator, a->layout.scene->n_band) == 0;
+  double safety = rad_safety(a->layout.scene);
+  enum rad_code code = RAD_OK;
+  if (!is_dark)
+    code =
+        rad_remainder(a->mesh, &a->rules, a->layout.passive, a->u, &a->indicator, a->remainder, e);
+  for (int i = 0; i < a->mesh->n_element; i++) {
+    a->remainder[i] *= safety;
+    sources[i] = a->remainder[i] + a->element_bound[i] +
+                 rad_reflects(a, rad_element_triangle(a->mesh, i)) * (a->quadrature + a->h2.error);
+  }
+  return code;
 }
 
 /* z and the means, of the last estimate. */
 static enum rad_code conclude(const struct rad_goal *g, struct rad_adaptive *a,
                               struct rad_error *e) {
-  double start = rad_seconds(), *sources = NULL;
+  double start = rad_seconds();
+  double *sources = rad_alloc((size_t)a->mesh->n_element, sizeof(double));
   free(a->element_bound);
+  free(a->remainder);
   free(a->source);
   free(a->light_source);
   free(a->z);
+  a->remainder = rad_calloc((size_t)a->mesh->n_element, sizeof(double));
   a->element_bound = a->source = a->light_source = a->z = NULL;
   rad_means_free(&a->means);
   rad_progress_phase(a->layout.scene->progress, "means");
   enum rad_code code = rad_set_element_bound(a, e);
-  if (!code && !(sources = bound_sources(a)))
+  if (!code && (!sources || !a->remainder))
     code = rad_fail_memory(e, "the means", 8.0 * a->mesh->n_element);
+  if (!code)
+    code = bound_sources(a, sources, e);
   if (!code)
     code = rad_means_estimated(&(struct rad_estimate){&a->indicator, sources}, g->tolerance,
                                &a->means, e);
@@ -402,6 +453,8 @@ static int is_done(const struct rad_goal *g, struct rad_adaptive *a, struct rad_
   a->least = INFINITY;
   if (weigh_means(g, a, e, code) || *code)
     return *code != RAD_OK;
+  if (is_left_out(g, a))
+    return 0;
   a->target = BELOW * a->wanted * fmin(g->tolerance / a->means.worst, 1);
   if (a->target >= g->tolerance * LEAST_TARGET)
     return 0;
@@ -437,7 +490,7 @@ enum rad_code rad_adapt(const struct rad_scene *scene, const struct rad_goal *g,
     a->quadrature = fmin(a->quadrature, quadrature_tolerance(g, a->report.inverse_norm));
     if (!concluded) /* else what is wanted has become more */
       give_up(a);
-    if (a->reason[0] || (code = refine(a, e)))
+    if (a->reason[0] || (code = refine(g, a, e)))
       break;
   }
   a->seconds_before = began - start;

@@ -32,6 +32,8 @@ struct rad_adaptive {
                            integrals, compression and solver add */
   double *light_source; /* owned [n_element, n_band] the same of K u_h in place of u*, with |K d| */
   double *z;            /* owned [n_band, n_point] z of (6.2) at the collocation points */
+  double *remainder;    /* owned [n_element] of u* beside its interpolant (theory 17.2), with the
+                           safety factor, over max |u| */
   double *element_bound; /* owned [n_element] z, largest of the element's points */
   struct rad_means means;
   double *least_weight; /* owned [n_triangle, n_band] of K d, or NULL: where means asked for more */

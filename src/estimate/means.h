@@ -23,7 +23,7 @@ struct rad_means {
 /* What a solution on a mesh is known for. */
 struct rad_estimate {
   const struct rad_indicator *indicator;
-  const double *element_bound; /* [n_element] z over max |u|, and errors of u~    (theory 6.4) */
+  const double *element_bound; /* [n_element] z + e~ over max |u|    (theory 17.2) */
 };
 
 /**
@@ -31,7 +31,7 @@ struct rad_estimate {
  *
  *   |mean h(u) - mean K u~| <= mean |K (d - d~)| + mean K (z + e~)               (theory 17.2)
  *
- * with e~ what integrals and compression leave in u~.
+ * with e~ what integrals, compression and the interpolant leave in u~.
  *
  * @param[in]  tolerance  of the bound over max |u|: integrals are made to a part of it
  * @param[out] m  to be freed with rad_means_free, also after an error
