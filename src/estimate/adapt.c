@@ -250,8 +250,8 @@ static enum rad_code refine(const struct rad_goal *g, struct rad_adaptive *a, st
     const struct rad_leaf *f = &l->leaf[i];
     struct rad_refinement *w = &what[i];
     *w = (struct rad_refinement){.k_phi = f->k_phi, .k_r = f->k_r};
-    double factor = fmax(x->part[i] / share, mean_factor(g, a, i, n_left_out)),
-           most = fmax(x->tail_phi[i], x->tail_r[i]);
+    double factor = fmax(x->part[i] / share, mean_factor(g, a, i, n_left_out));
+    double most = fmax(x->tail_phi[i], x->tail_r[i]);
     if (l->passive[l->patch[f->patch].triangle] || factor <= NEARLY)
       continue;
     /* both tails are to fall to the same level */

@@ -11,12 +11,9 @@
 #include "estimate/light_cell.h"
 #include "visibility/visibility.h"
 
-/* Distance of a near face from an element's middle, over its radius. */
-#define NEAR 3
-
 enum { PER_ELEMENT = 2 };
 
-/* Points of all elements that have unknowns. */
+/* Points of the elements that have unknowns and are near a face. */
 struct points {
   int n;
   int *first, *count, *base; /* owned [n_element], [n_element], [n] */
@@ -47,8 +44,9 @@ static int touch(const struct rad_triangle *a, const struct rad_triangle *b) {
   return 0;
 }
 
-/* True if a face that the element's triangle sees, and does not touch, is within its diameter:
- * there K d may change between the check points, and is not seen by them. */
+/* True if a face that the element's triangle sees, and does not touch, is nearer to
+ * the element's middle than its radius: there K d may change between the check points, and is not
+ * seen by them. */
 static int is_near(const struct rad_mesh *mesh, int element) {
   const struct rad_scene *s = mesh->scene;
   size_t own = (size_t)rad_element_triangle(mesh, element);
@@ -57,7 +55,7 @@ static int is_near(const struct rad_mesh *mesh, int element) {
   rad_light_cell_shape(mesh, &whole, &shape);
   for (int t = 0; t < s->n_triangle; t++)
     if (s->visibility->sight[own * (size_t)s->n_triangle + (size_t)t] &&
-        distance_to(&s->triangle[t], shape.centre) < NEAR * shape.radius &&
+        distance_to(&s->triangle[t], shape.centre) < shape.radius &&
         !touch(&s->triangle[own], &s->triangle[t]))
       return 1;
   return 0;

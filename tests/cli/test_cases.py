@@ -23,22 +23,20 @@ def parallel(a, b, z):
     return total / (2 * math.pi * (a[0][1] - a[0][0]) * (a[1][1] - a[1][0]))
 
 
+def cross_product(a, b):
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
 def seen(x, normal, corner):
     """F of a polygon seen from a point, all of it in front (Lambert 1760)."""
     def unit(a):
         return [c / math.hypot(*a) for c in a]
 
-    def cross(a, b):
-        return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
     total, r = 0, [unit([c - d for c, d in zip(p, x)]) for p in corner]
     for a, b in zip(r, r[1:] + r[:1]):
-        n = cross(a, b)
+        n = cross_product(a, b)
         total += math.atan2(math.hypot(*n), sum(map(float.__mul__, a, b))) * sum(map(float.__mul__, unit(n), normal))
     return abs(total) / (2 * math.pi)
-
-
-def cross_product(a, b):
-    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 
 
 def over_unit_square(f, error):
